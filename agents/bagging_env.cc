@@ -1,0 +1,170 @@
+#include "agents/bagging_env.h"
+
+#include "agents/affordances.h"
+#include "agents/image_file.h"
+#include "agents/rewards.h"
+#include "base/error.h"
+#include "perception/overlay.h"
+
+namespace gusset {
+namespace {
+
+// Success as design and tests define it: clear of the table with the cube inside for the last
+// second.
+constexpr double kHeldClear_s = 1.0;
+
+struct Sections {
+  ConfigTree& tree;
+  template <class Config>
+  void operator()(const char* name, Config& config) {
+    tree.Read(name, config);
+  }
+};
+
+struct Writers {
+  std::string& out;
+  template <class Config>
+  void operator()(const char* name, const Config& config) {
+    AppendToml(name, config, out);
+  }
+};
+
+template <class Config, class Visitor>
+void VisitSections(Config& config, Visitor visit) {
+  visit("perception", config.perception);
+  visit("thresholds", config.thresholds);
+  visit("primitives", config.motion);
+  visit("primitives.grasp_lift", config.grasp_lift);
+  visit("primitives.scratch_drag", config.scratch_drag);
+  visit("primitives.pick_place", config.pick_place);
+  visit("primitives.close_carry", config.close_carry);
+}
+
+nlohmann::ordered_json Pair(const cv::Point2d& p) { return {p.x, p.y}; }
+nlohmann::ordered_json Triple(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+
+// The pose point that an action's point index means (grasp point, or place point in s2).
+const PosePoint& ChosenPoint(const Observation& seen, int point) {
+  const auto& points = seen.state == State::kOpen ? seen.place_points : seen.grasp_points;
+  return points.at(static_cast<std::size_t>(point));
+}
+
+}  // namespace
+
+void BaggingConfig::Read(ConfigTree& tree) {
+  VisitSections(*this, Sections{tree});
+  if (tree.Has("thresholds_published")) {
+    published.emplace();
+    tree.Read("thresholds_published", *published);
+  } else if (thresholds.source == "published") {
+    throw InputError("thresholds.source = \"published\" needs a section [thresholds_published]");
+  }
+}
+void BaggingConfig::AppendTo(std::string& out) const { VisitSections(*this, Writers{out}); }
+
+BaggingEnv::BaggingEnv(ScenePort& scene, CameraPort& camera, RobotPort& robot, Referee& referee,
+                       const BaggingConfig& config)
+    : scene_(scene),
+      camera_(camera),
+      referee_(referee),
+      robot_(robot, referee),
+      config_(config),
+      thresholds_(config.chosen_thresholds()) {}
+
+std::vector<int> BaggingEnv::ActionCounts() const {
+  std::vector<int> counts;
+  for (int s = 0; s < kActingStates; ++s) counts.push_back(AffordanceOf(s).actions());
+  return counts;
+}
+
+Percept BaggingEnv::PerceptOf(const Observation& seen) const {
+  return {static_cast<int>(seen.state),
+          {seen.A_bag / thresholds_.A_bmax, seen.A_o / thresholds_.A_omax,
+           seen.mouth_seen ? 1.0 : 0.0, seen.cube ? 1.0 : 0.0}};
+}
+
+Snapshot BaggingEnv::Start(StartKind kind, std::uint64_t seed) {
+  scene_.Reset(kind, seed);
+  return scene_.Save();
+}
+
+Percept BaggingEnv::Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) {
+  scene_.Restore(snapshot, sensor_seed);
+  frame_before_ = camera_.Look();
+  before_ = Perceive(frame_before_, camera_.model(), config_.perception, thresholds_);
+  frame_after_ = {};
+  return PerceptOf(before_);
+}
+
+PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
+  const Eigen::Vector3d p_W = ChosenPoint(before_, point).p_W;
+  const Eigen::Vector3d along_W = before_.rim ? before_.rim->along_W : Eigen::Vector3d::UnitX();
+  const MotionConfig& motion = config_.motion;
+  return PerformAndLeave(robot_, motion, [&](ToolMotion& tool) {
+    switch (before_.state) {
+      case State::kFolded:
+        return GraspLift(tool, p_W, parameter, config_.grasp_lift, motion);
+      case State::kUnfolded:
+        return ScratchDrag(tool, p_W,
+                           before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,
+                           along_W, config_.scratch_drag, motion);
+      case State::kOpen:
+        if (!before_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
+        return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, config_.pick_place,
+                         motion);
+      case State::kFilled:
+        return CloseCarry(tool, p_W, along_W, config_.close_carry, motion);
+      default:
+        throw std::logic_error("no action is afforded in s4 and s5");
+    }
+  });
+}
+
+Outcome BaggingEnv::Act(int action) {
+  const int state = static_cast<int>(before_.state);
+  const ActionChoice choice = DecodeAction(state, action);
+  const PosePoint& chosen = ChosenPoint(before_, choice.point);
+  const double start_s = scene_.time_s();
+
+  robot_.Forget();
+  const PrimitiveReport report = Perform(choice.point, choice.parameter);
+  frame_after_ = camera_.Look();
+  after_ = Perceive(frame_after_, camera_.model(), config_.perception, thresholds_);
+
+  Outcome outcome;
+  outcome.next = PerceptOf(after_);
+  outcome.reward = Reward(before_, after_, thresholds_, chosen.px);
+  // s4 and s5 count only after close + carry; a bag that left the ROI otherwise is lost.
+  outcome.done = after_.state == State::kSuccess || after_.state == State::kFail;
+  const bool carried = before_.state == State::kFilled;
+  outcome.success = carried && after_.state == State::kSuccess;
+  outcome.truth = referee_.Judge();
+  outcome.true_success = carried && outcome.truth.held_clear_s >= kHeldClear_s;
+  outcome.after = scene_.Save();
+  outcome.sim_s = scene_.time_s() - start_s;
+  outcome.log = {{"point", choice.point},
+                 {"parameter", choice.parameter},
+                 {"point_px", Pair(chosen.px)},
+                 {"point_m", Triple(chosen.p_W)},
+                 {"layers_held", robot_.layers_held()},
+                 {"lost", outcome.done && !carried},
+                 {"A_bag_before", before_.A_bag},
+                 {"A_o_before", before_.A_o},
+                 {"A_bag", after_.A_bag},
+                 {"A_o", after_.A_o},
+                 {"cube_hidden", after_.cube_hidden},
+                 {"note", report.note}};
+  return outcome;
+}
+
+void BaggingEnv::WriteFrames(const std::filesystem::path& prefix) const {
+  const auto write = [&](const char* when, const RgbdFrame& frame, const Observation& seen) {
+    if (frame.color.empty()) return;
+    WriteImage(prefix.string() + when + ".png", frame.color);
+    WriteImage(prefix.string() + when + "_overlay.png", DrawOverlay(frame, seen));
+  };
+  write("_before", frame_before_, before_);
+  write("_after", frame_after_, after_);
+}
+
+}  // namespace gusset

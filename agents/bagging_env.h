@@ -1,0 +1,90 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "agents/environment.h"
+#include "agents/ports/camera_port.h"
+#include "agents/ports/referee.h"
+#include "agents/ports/robot_port.h"
+#include "agents/ports/scene_port.h"
+#include "agents/primitives/close_carry.h"
+#include "agents/primitives/grasp_lift.h"
+#include "agents/primitives/pick_place.h"
+#include "agents/primitives/scratch_drag.h"
+#include "agents/witness.h"
+#include "perception/perceive.h"
+
+namespace gusset {
+
+/// Section [thresholds]: a bag's thresholds and which of its two sets counts.
+struct ThresholdChoice {
+  std::string source = "gusset";  ///< "published": Table 5.3 to the letter.
+  BagThresholds gusset;
+
+  template <class V>
+  void Fields(V& v) {
+    v("source", source, std::vector<std::string>{"gusset", "published"});
+    gusset.Fields(v);
+  }
+};
+
+/// Everything the bagging task can be set to, but for bag and world.
+struct BaggingConfig {
+  PerceptionConfig perception;
+  ThresholdChoice thresholds;
+  std::optional<BagThresholds> published;  ///< Section [thresholds_published].
+  MotionConfig motion;
+  GraspLiftConfig grasp_lift;
+  ScratchDragConfig scratch_drag;
+  PickPlaceConfig pick_place;
+  CloseCarryConfig close_carry;
+
+  /// Reads every section. @throws InputError.
+  void Read(ConfigTree& tree);
+  /// The set of thresholds that counts.
+  const BagThresholds& chosen_thresholds() const {
+    return thresholds.source == "published" ? *published : thresholds.gusset;
+  }
+  /// Appends every section to `out`.
+  void AppendTo(std::string& out) const;
+};
+
+/// Bagging: Algorithm 8's "perform a". Looks, runs the pair of primitives that the state affords,
+/// leaves the view, looks again, pays the reward. The agent's side sees frames and the arm's own
+/// readings only; the referee is asked for the log and for evaluation.
+class BaggingEnv final : public Environment {
+ public:
+  /// The ports must outlive the environment.
+  BaggingEnv(ScenePort& scene, CameraPort& camera, RobotPort& robot, Referee& referee,
+             const BaggingConfig& config);
+
+  std::vector<int> ActionCounts() const override;
+  Snapshot Start(StartKind kind, std::uint64_t seed) override;
+  Percept Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) override;
+  Outcome Act(int action) override;
+  /// prefix + {_before,_after}{,_overlay}.png.
+  void WriteFrames(const std::filesystem::path& prefix) const override;
+
+  const RgbdFrame& frame_before() const { return frame_before_; }
+  const Observation& before() const { return before_; }
+  const RgbdFrame& frame_after() const { return frame_after_; }
+  const Observation& after() const { return after_; }
+
+ private:
+  Percept PerceptOf(const Observation& observation) const;
+  PrimitiveReport Perform(int point, int parameter);
+
+  ScenePort& scene_;
+  CameraPort& camera_;
+  Referee& referee_;
+  Witness robot_;
+  BaggingConfig config_;
+  BagThresholds thresholds_;
+  RgbdFrame frame_before_, frame_after_;
+  Observation before_, after_;
+};
+
+}  // namespace gusset

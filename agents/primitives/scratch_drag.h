@@ -1,0 +1,39 @@
+#pragma once
+
+#include "agents/primitives/tool_motion.h"
+
+namespace gusset {
+
+/// tau_scratch and mu_drag, the pair of s1. Section [primitives.scratch_drag]. Heights are those of
+/// the fingertips. All tuned: whether one layer is caught, both or none is decided by sink_m
+/// against the cloth's thickness.
+struct ScratchDragConfig {
+  double opening_m = 0.025;      ///< Between the fingers as they come down.
+  double touch_force_N = 1;      ///< Felt when the fingertips rest on the cloth.
+  double sink_m = 0.001;         ///< Deeper by this after the touch.
+  double lift_m = 0.07;          ///< The layer is raised so far ...
+  double drag_speed_m_s = 0.15;  ///< ... and dragged over the target.
+  double release_height_m = 0.02;
+  double release_opening_m = 0.045;  ///< Half open: enough to let go of one layer.
+  double rise_speed_m_s = 0.10;
+
+  template <class V>
+  void Fields(V& v) {
+    v("opening_m", opening_m, Range{0.005, 0.085});
+    v("touch_force_N", touch_force_N, Range{0.2, 20});
+    v("sink_m", sink_m, Range{-0.01, 0.01});
+    v("lift_m", lift_m, Range{0.01, 0.25});
+    v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});
+    v("release_height_m", release_height_m, Range{0.005, 0.3});
+    v("release_opening_m", release_opening_m, Range{0.01, 0.085});
+    v("rise_speed_m_s", rise_speed_m_s, Range{0.01, 1});
+  }
+};
+
+/// Scratches up the cloth at p_W, the fingers closing along the rim, and drags it over target_W.
+/// @param along_W direction of the rim, horizontal.
+void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
+                 const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
+                 const MotionConfig& motion);
+
+}  // namespace gusset

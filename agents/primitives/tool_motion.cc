@@ -1,0 +1,99 @@
+#include "agents/primitives/tool_motion.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace gusset {
+namespace {
+
+const char* Named(MoveEnd end) {
+  switch (end) {
+    case MoveEnd::kReached:
+      return "reached";
+    case MoveEnd::kContact:
+      return "contact";
+    case MoveEnd::kProtectiveStop:
+      return "protective stop";
+    case MoveEnd::kUnreachable:
+      return "unreachable";
+  }
+  return "";
+}
+
+Eigen::Isometry3d Pose(const Eigen::Matrix3d& R_WT, const Eigen::Vector3d& p_W) {
+  Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
+  X_WT.linear() = R_WT;
+  X_WT.translation() = p_W;
+  return X_WT;
+}
+
+}  // namespace
+
+Eigen::Matrix3d DownwardTool(double closing_rad) {
+  return (Eigen::AngleAxisd(closing_rad, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+double AngleOf(const Eigen::Vector3d& direction_W) {
+  return std::atan2(direction_W.y(), direction_W.x());
+}
+
+void ToolMotion::Finish(const MoveResult& result, const char* what) {
+  R_WT_ = result.X_WT.linear();
+  if (result.end == MoveEnd::kReached || result.end == MoveEnd::kContact) return;
+  throw Aborted(std::string(what) + ": " + Named(result.end));
+}
+
+void ToolMotion::Approach(const Eigen::Vector3d& p_W, double closing_rad) {
+  Finish(robot_.MoveTo(Pose(DownwardTool(closing_rad), p_W), config_.travel_speed_m_s), "approach");
+}
+
+void ToolMotion::Go(const Eigen::Vector3d& p_W, double speed_m_s) {
+  Finish(robot_.MoveTo(Pose(R_WT_, p_W), speed_m_s), "move");
+}
+
+void ToolMotion::GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double tilt_rad,
+                          double speed_m_s) {
+  const Eigen::Vector3d outward(p_W.x() - config_.base_x_m, p_W.y() - config_.base_y_m, 0);
+  // Turning the downward z axis about up x outward sends the fingertips outward when negative.
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ().cross(outward).normalized();
+  const Eigen::Matrix3d tilt = Eigen::AngleAxisd(-tilt_rad, axis).toRotationMatrix();
+  Finish(robot_.MoveTo(Pose(tilt * DownwardTool(closing_rad), p_W), speed_m_s), "tilted move");
+}
+
+double ToolMotion::GoUntilContact(const Eigen::Vector3d& p_W, double force_N) {
+  const MoveResult result =
+      robot_.MoveUntilContact(Pose(R_WT_, p_W), config_.guarded_speed_m_s, force_N);
+  Finish(result, "guarded move");
+  return result.X_WT.translation().z();
+}
+
+double ToolMotion::Fingers(double opening_m) {
+  return robot_.MoveGripper(opening_m, config_.finger_speed_m_s, config_.grip_force_N);
+}
+
+PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
+                                const std::function<void(ToolMotion&)>& action) {
+  ToolMotion tool(robot, config);
+  PrimitiveReport report;
+  try {
+    action(tool);
+  } catch (const ToolMotion::Aborted& aborted) {
+    report = {false, aborted.what()};
+    tool.OpenFingers();
+  }
+  MoveEnd end = robot.MoveToWaitingPose().end;
+  if (end != MoveEnd::kReached) {
+    // Whatever it holds or hangs on stopped it: let go and try once more.
+    tool.OpenFingers();
+    end = robot.MoveToWaitingPose().end;
+    report.completed = false;
+    report.note +=
+        std::string(report.note.empty() ? "" : "; ") + "waiting pose at second try: " + Named(end);
+  }
+  robot.Wait(config.settle_s);
+  return report;
+}
+
+}  // namespace gusset

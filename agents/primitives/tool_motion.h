@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "agents/ports/robot_port.h"
+#include "base/config.h"
+
+namespace gusset {
+
+/// Settings that all primitives share. Section [primitives]. Speeds are those of a real arm at work
+/// beside people (KUKA and Robotiq allow more); all tuned.
+struct MotionConfig {
+  double travel_speed_m_s = 0.40;   ///< Free motion.
+  double descend_speed_m_s = 0.15;  ///< Down to where a guarded move begins.
+  double guarded_speed_m_s = 0.05;  ///< Until contact.
+  double contact_force_N = 4;       ///< Counts as touching the table.
+  double finger_speed_m_s = 0.10;   ///< Per finger; the real gripper does 0.02 to 0.15.
+  double grip_force_N = 60;         ///< Of the closed gripper; the real one does 20 to 235.
+  double approach_m = 0.10;         ///< Fingertips above the table before and after an action.
+  double settle_s = 2;              ///< Waiting time in the waiting pose, before the look.
+  double base_x_m = 0;              ///< Where the arm stands: a tool tilts in the vertical plane
+  double base_y_m = -0.44;          ///< through this point.
+
+  template <class V>
+  void Fields(V& v) {
+    v("travel_speed_m_s", travel_speed_m_s, Range{0.01, 1});
+    v("descend_speed_m_s", descend_speed_m_s, Range{0.01, 1});
+    v("guarded_speed_m_s", guarded_speed_m_s, Range{0.002, 0.25});
+    v("contact_force_N", contact_force_N, Range{0.5, 40});
+    v("finger_speed_m_s", finger_speed_m_s, Range{0.02, 0.15});
+    v("grip_force_N", grip_force_N, Range{20, 235});
+    v("approach_m", approach_m, Range{0.04, 0.3});
+    v("settle_s", settle_s, Range{0, 10});
+    v("base_x_m", base_x_m, Range{-2, 2});
+    v("base_y_m", base_y_m, Range{-2, 2});
+  }
+};
+
+/// How far a primitive came.
+struct PrimitiveReport {
+  bool completed = true;
+  std::string note;  ///< Why not, in a few words; empty if completed.
+};
+
+/// Rotation of a tool that points straight down, its fingers closing along the world's x axis
+/// turned by closing_rad about z.
+Eigen::Matrix3d DownwardTool(double closing_rad);
+
+/// Angle about z of a horizontal direction, for DownwardTool.
+double AngleOf(const Eigen::Vector3d& direction_W);
+
+/// A gripper at work. Motions that do not end as meant throw, so that a primitive reads as what it
+/// does; the orientation that the arm settled on is kept from one motion to the next.
+class ToolMotion {
+ public:
+  /// A motion did not end as meant; what() says which and how.
+  struct Aborted : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+
+  ToolMotion(RobotPort& robot, const MotionConfig& config) : robot_(robot), config_(config) {}
+
+  /// Free motion to p_W, the tool straight down. The arm may exchange the fingers, which is the
+  /// same grasp, and tilt the tool a little where it cannot reach otherwise.
+  void Approach(const Eigen::Vector3d& p_W, double closing_rad);
+  /// Straight line to p_W, orientation kept.
+  void Go(const Eigen::Vector3d& p_W, double speed_m_s);
+  /// Straight line to p_W, the tool meanwhile turning to tilt_rad in the vertical plane through the
+  /// arm's base (> 0: fingertips lean away from it) from straight down with this closing angle.
+  void GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double tilt_rad, double speed_m_s);
+  /// Straight line to p_W until force_N is felt. @returns the height (m) at which it ended.
+  double GoUntilContact(const Eigen::Vector3d& p_W, double force_N);
+  /// Fingers to opening_m (0: closed). @returns the opening reached.
+  double Fingers(double opening_m);
+  /// As wide as they go. @returns the opening reached.
+  double OpenFingers() { return Fingers(robot_.max_opening_m()); }
+  void Wait(double seconds) { robot_.Wait(seconds); }
+
+ private:
+  void Finish(const MoveResult& result, const char* what);
+
+  RobotPort& robot_;
+  MotionConfig config_;
+  Eigen::Matrix3d R_WT_ = Eigen::Matrix3d::Identity();
+};
+
+/// Runs `action`, then leaves the camera's view and lets things settle. If the action is aborted
+/// the gripper opens first. Never throws ToolMotion::Aborted.
+PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
+                                const std::function<void(ToolMotion&)>& action);
+
+}  // namespace gusset

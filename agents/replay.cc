@@ -1,0 +1,50 @@
+#include "agents/replay.h"
+
+#include <sstream>
+
+#include "agents/json_fields.h"
+#include "agents/run_folder.h"
+#include "base/error.h"
+#include "base/files.h"
+
+namespace gusset {
+
+std::vector<nlohmann::json> ReadRunSteps(const std::filesystem::path& run) {
+  std::vector<nlohmann::json> steps;
+  const std::filesystem::path file = run / "steps.jsonl";
+  std::istringstream lines(ReadFile(file));
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json step = nlohmann::json::parse(line, nullptr, false);
+    if (!step.is_object() || step.value("step", -1) != static_cast<int>(steps.size())) {
+      throw InputError(file.string() + ":" + std::to_string(steps.size() + 1) +
+                       ": is not the line of step " + std::to_string(steps.size()));
+    }
+    steps.push_back(step);
+  }
+  const std::filesystem::path failed = run / "failed_step.json";
+  if (std::filesystem::exists(failed)) {
+    const nlohmann::json step = ReadJson(failed);
+    if (step.is_object() && step.value("step", -1) == static_cast<int>(steps.size())) {
+      steps.push_back(step);
+    }
+  }
+  return steps;
+}
+
+Snapshot WorldBefore(Environment& environment, const std::vector<nlohmann::json>& steps, int step) {
+  if (step < 0 || step >= static_cast<int>(steps.size())) {
+    throw InputError("step " + std::to_string(step) + " is not within [0, " +
+                     std::to_string(static_cast<int>(steps.size()) - 1) + "]");
+  }
+  const auto from = JsonField<nlohmann::json>(steps[static_cast<std::size_t>(step)], "from");
+  if (from.contains("seed")) {
+    return environment.Start(StartKind::kFolded, JsonField<std::uint64_t>(from, "seed"));
+  }
+  const int earlier = JsonField<int>(from, "step", 0, step - 1);
+  const nlohmann::json& line = steps[static_cast<std::size_t>(earlier)];
+  const Snapshot snapshot = WorldBefore(environment, steps, earlier);
+  environment.Begin(snapshot, JsonField<std::uint64_t>(line, "sensor_seed"));
+  return environment.Act(JsonField<int>(line, "action")).after;
+}
+
+}  // namespace gusset

@@ -1,0 +1,145 @@
+#include "base/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "base/error.h"
+
+namespace gusset {
+namespace {
+
+std::string Reason(const std::filesystem::path& path, const char* what, int error) {
+  return path.string() + ": " + what + ": " + std::strerror(error);
+}
+
+// Closes on every way out.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+// @returns 0, or the error that kept a part from being written.
+int WriteAll(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::string ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) throw InputError(Reason(path, "cannot be read", errno));
+  std::string contents;
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t n = ::read(file.get(), buffer, sizeof buffer);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw InputError(Reason(path, "cannot be read", errno));
+    if (n == 0) return contents;
+    contents.append(buffer, static_cast<std::size_t>(n));
+    if (contents.size() > max_bytes) {
+      throw InputError(path.string() + ": larger than " + std::to_string(max_bytes) + " bytes");
+    }
+  }
+}
+
+void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents) {
+  std::filesystem::path beside = path;
+  beside += ".tmp";
+  const auto give_up = [&](const char* what, int error) {
+    ::unlink(beside.c_str());
+    throw RunError(Reason(path, what, error));
+  };
+  {
+    const Descriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    if (file.get() < 0) {
+      const int error = errno;
+      if (error == ENOSPC || error == EDQUOT) throw RunError(Reason(path, "cannot write", error));
+      throw InputError(Reason(path, "cannot write", error));
+    }
+    if (const int error = WriteAll(file.get(), contents)) give_up("cannot write", error);
+    if (::fsync(file.get()) != 0) give_up("cannot write", errno);
+  }
+  if (::rename(beside.c_str(), path.c_str()) != 0) give_up("cannot replace", errno);
+}
+
+void MakeFolder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw InputError(path.string() + ": cannot make this folder: " + error.message());
+}
+
+std::filesystem::path MoveAside(const std::filesystem::path& path) {
+  std::error_code error;
+  // "out/run/" and "out/run" are the same folder; only the latter can take a suffix.
+  const std::filesystem::path plain = path.has_filename() ? path : path.parent_path();
+  if (!std::filesystem::exists(std::filesystem::symlink_status(plain, error))) return {};
+  for (int i = 1;; ++i) {
+    std::filesystem::path aside = plain;
+    aside += "." + std::to_string(i);
+    if (std::filesystem::exists(std::filesystem::symlink_status(aside, error))) continue;
+    std::filesystem::rename(plain, aside, error);
+    if (error) throw InputError(plain.string() + ": cannot move it aside: " + error.message());
+    return aside;
+  }
+}
+
+LineLog::LineLog(std::filesystem::path path, std::uint64_t keep_bytes)
+    : path_(std::move(path)), bytes_(keep_bytes) {
+  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw InputError(Reason(path_, "cannot write", errno));
+  struct stat info = {};
+  std::string problem;
+  if (::fstat(fd_, &info) != 0) {
+    problem = Reason(path_, "cannot write", errno);
+  } else if (static_cast<std::uint64_t>(info.st_size) < keep_bytes) {
+    problem = path_.string() + ": has " + std::to_string(info.st_size) +
+              " bytes, its checkpoint knows of " + std::to_string(keep_bytes);
+  } else if (::ftruncate(fd_, static_cast<off_t>(keep_bytes)) != 0 ||
+             ::lseek(fd_, 0, SEEK_END) < 0) {
+    problem = Reason(path_, "cannot write", errno);
+  }
+  if (!problem.empty()) {
+    ::close(fd_);
+    throw InputError(problem);
+  }
+}
+
+LineLog::~LineLog() { ::close(fd_); }
+
+void LineLog::Append(std::string_view line) {
+  std::string whole(line);
+  whole += '\n';
+  if (const int error = WriteAll(fd_, whole)) {
+    // Half a line would be read as a broken record; if even cutting fails, resume cuts it.
+    [[maybe_unused]] const int cut = ::ftruncate(fd_, static_cast<off_t>(bytes_));
+    ::lseek(fd_, static_cast<off_t>(bytes_), SEEK_SET);
+    throw RunError(Reason(path_, "cannot write", error));
+  }
+  bytes_ += whole.size();
+}
+
+void LineLog::Sync() {
+  if (::fsync(fd_) != 0) throw RunError(Reason(path_, "cannot write", errno));
+}
+
+}  // namespace gusset

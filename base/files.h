@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace gusset {
+
+/// Whole contents of a file. @throws InputError (`path: why`) if it cannot be read, is a folder or
+/// is larger than `max_bytes`.
+std::string ReadFile(const std::filesystem::path& path,
+                     std::size_t max_bytes = std::size_t{1} << 30);
+
+/// Replaces a file so that a crash at any moment leaves the old contents or the new ones, never a
+/// part: written beside it, synced, renamed. (After a power cut it may be the old ones still.)
+/// @throws InputError if the place cannot be written at all, RunError if writing fails (disk full).
+void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents);
+
+/// Makes a folder and its parents; one that exists is fine. @throws InputError.
+void MakeFolder(const std::filesystem::path& path);
+
+/// Renames `path` to path.1, path.2, ... (the first free one) if it exists.
+/// @returns the new name, or an empty path if there was nothing to move. @throws InputError.
+std::filesystem::path MoveAside(const std::filesystem::path& path);
+
+/// A text file that only grows by whole lines, such as a JSONL log. Every line reaches the
+/// operating system before Append returns, so a killed process loses none; Sync brings them to the
+/// disk.
+class LineLog {
+ public:
+  /// Opens or creates the file and cuts it to `keep_bytes`, what a checkpoint knows of; lines after
+  /// that belong to work that will be done again. @throws InputError if it cannot be written or is
+  /// shorter than keep_bytes.
+  explicit LineLog(std::filesystem::path path, std::uint64_t keep_bytes = 0);
+  ~LineLog();
+  LineLog(const LineLog&) = delete;
+  LineLog& operator=(const LineLog&) = delete;
+
+  /// Appends `line` and a newline. @throws RunError if it does not fit; the file is then cut back
+  /// to the last whole line.
+  void Append(std::string_view line);
+  /// @throws RunError.
+  void Sync();
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  std::filesystem::path path_;
+  int fd_ = -1;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace gusset

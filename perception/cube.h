@@ -1,0 +1,30 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "perception/color_masks.h"
+#include "perception/observation.h"
+#include "perception/view.h"
+
+namespace gusset {
+
+/// The red body in a frame.
+struct CubeBlob {
+  std::vector<cv::Point> contour;  ///< px of the frame.
+  double area_px2 = 0;
+  bool amid_cloth = false;  ///< More than half of what surrounds it is cloth or label.
+};
+
+/// Finds the cube: the largest compact red body anywhere in the frame (at most 2.5 times as long as
+/// wide, at least 0.6 of its rectangle filled).
+std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
+                                 const PerceptionConfig& config);
+
+/// Where the cube is. With depth, the top face alone is measured, so that the side faces that an
+/// overhead camera sees off its axis do not pull centre and yaw; without, the cube is taken to
+/// stand on the table and all red pixels to surround its centre.
+CubeSeen LocateCube(const CubeBlob& blob, const View& view, const PerceptionConfig& config);
+
+}  // namespace gusset

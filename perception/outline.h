@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace gusset {
+
+/// A body as a four-sided figure, for the grid of Eq. 5.12.
+struct Outline {
+  cv::Point2d centroid;  ///< Of the area that the contour encloses, px.
+  /// For each quadrant about the centroid the contour point farthest from it. Counter-clockwise as
+  /// one sees the image (y down).
+  std::array<cv::Point2d, 4> corners;
+  /// Outward unit normals of the sides of the minimum-area rectangle; side k runs from corner k to
+  /// corner k + 1. The quadrants are those of this rectangle, so that yaw does not matter.
+  std::array<cv::Point2d, 4> normals;
+  /// Centre of the minimum-area rectangle, and how far its sides are from there.
+  cv::Point2d middle;
+  std::array<double, 4> reach;
+
+  /// The same figure, counted from corner `first`.
+  Outline From(int first) const;
+};
+
+/// @param contour a closed polygon with at least three points; if it encloses no area, the centroid
+///   is the mean of its points.
+Outline FitOutline(const std::vector<cv::Point>& contour);
+Outline FitOutline(const std::vector<cv::Point2f>& contour);
+
+/// The side along which the points lie: with the mouth's labels, the rim. Points beyond the middle
+/// do not count against a side, since labels of the layer that was pulled back lie there.
+int SideNearest(const Outline& outline, const std::vector<cv::Point2d>& points);
+
+/// The side that looks most nearly in the given direction.
+int SideTowards(const Outline& outline, cv::Point2d direction);
+
+/// The corner of the minimum-area rectangle farthest to the image's upper right.
+int UpperRightCorner(const Outline& outline);
+
+}  // namespace gusset

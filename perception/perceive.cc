@@ -1,0 +1,200 @@
+#include "perception/perceive.h"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "perception/bag_body.h"
+#include "perception/color_masks.h"
+#include "perception/cube.h"
+#include "perception/depth.h"
+#include "perception/labels.h"
+#include "perception/opening_area.h"
+#include "perception/outline.h"
+#include "perception/pose_points.h"
+#include "perception/view.h"
+
+namespace gusset {
+namespace {
+
+/// Griding parameters (thesis, section 5.3.1).
+constexpr int kZeta = 3;
+constexpr int kZetaFilled = 9;
+constexpr int kRimPoints = 9;
+
+/// Shows `masks` the cube as cloth where it lies amid cloth, so that it does not notch the bag.
+cv::Mat ClothWithCube(const ColorMasks& masks, const std::optional<CubeBlob>& cube,
+                      const View& view) {
+  cv::Mat cloth = masks.cloth | masks.label;
+  if (cube && cube->amid_cloth) {
+    // A thick border, since the cube's soft edge is neither red nor cream.
+    const std::vector<std::vector<cv::Point>> polygon = {cube->contour};
+    cv::drawContours(cloth, polygon, 0, 255, cv::FILLED, cv::LINE_8, cv::noArray(), INT_MAX,
+                     -view.roi.tl());
+    cv::drawContours(cloth, polygon, 0, 255, 3, cv::LINE_8, cv::noArray(), INT_MAX, -view.roi.tl());
+  }
+  return cloth;
+}
+
+/// Width of the cube's top face in pixels.
+double CubeWidth(const View& view, const PerceptionConfig& config) {
+  const double distance_m = std::abs(view.camera.X_WC.translation().z() - config.table_height_m);
+  return view.camera.pinhole.fx * config.cube_side_m / std::max(distance_m, config.depth_min_m);
+}
+
+std::vector<cv::Point2f> Hull(const std::vector<cv::Point2d>& points) {
+  const std::vector<cv::Point2f> floats(points.begin(), points.end());
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(floats, hull);
+  return hull;
+}
+
+bool IsInMouth(const CubeSeen& cube, const std::vector<cv::Point2d>& labels, double cube_width) {
+  if (static_cast<int>(labels.size()) < kLabelsOfMouth) return false;
+  return cv::pointPolygonTest(Hull(labels), cv::Point2f(cube.px), /*measureDist=*/true) >=
+         -cube_width;
+}
+
+bool IsOnBag(const CubeSeen& cube, const std::optional<BagBody>& bag, const View& view) {
+  if (!bag || !cube.in_roi) return false;
+  return bag->mask.at<uchar>(cv::Point(cvRound(cube.px.x), cvRound(cube.px.y)) - view.roi.tl()) !=
+         0;
+}
+
+Eigen::Vector3d Level(const View& view, cv::Point2d from, cv::Point2d to,
+                      const PerceptionConfig& config) {
+  Eigen::Vector3d offset =
+      OntoLevel(view, to, config.table_height_m) - OntoLevel(view, from, config.table_height_m);
+  offset.z() = 0;
+  return offset.norm() > 0 ? offset.normalized() : Eigen::Vector3d::UnitX();
+}
+
+Rim FindRim(const Outline& outline, const View& view, const PerceptionConfig& config) {
+  Rim rim;
+  rim.middle_px = 0.5 * (outline.corners[0] + outline.corners[1]);
+  rim.outward_W = Level(view, outline.centroid, rim.middle_px, config);
+  rim.along_W = Level(view, outline.corners[0], outline.corners[1], config);
+  return rim;
+}
+
+std::vector<PosePoint> ToPosePoints(std::vector<cv::Point2d> points, const BagBody& bag,
+                                    const View& view, const PerceptionConfig& config) {
+  SnapOnto(bag.mask, view.roi.tl(), config.point_inset_px, points);
+  std::vector<PosePoint> poses;
+  for (const cv::Point2d& px : points) poses.push_back(Deproject(view, px, config));
+  return poses;
+}
+
+void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig& config,
+                   Observation& observation) {
+  Outline outline = FitOutline(bag.contour);
+  const cv::Point2d corner(view.roi.tl());
+  outline.centroid += corner;
+  outline.middle += corner;
+  for (cv::Point2d& point : outline.corners) point += corner;
+
+  const bool from_rim = observation.state != State::kFolded && !observation.labels.empty();
+  outline =
+      outline.From(from_rim ? SideNearest(outline, observation.labels) : UpperRightCorner(outline));
+  if (from_rim) observation.rim = FindRim(outline, view, config);
+  observation.corners = outline.corners;
+  observation.bag_centroid = outline.centroid;
+
+  std::vector<cv::Point2d> grasp;
+  std::vector<cv::Point2d> place;
+  switch (observation.state) {
+    case State::kFolded:
+      grasp = CellCentres(outline.corners, kZeta);
+      break;
+    case State::kUnfolded:
+      grasp = RimPoints(outline.corners, kRimPoints);
+      place = CellCentres(outline.corners, kZeta);
+      break;
+    case State::kOpen: {
+      const Outline mouth = FitOutline(Hull(observation.labels));
+      observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
+      place = CellCentres(observation.opening_corners, kZeta);
+      break;
+    }
+    case State::kFilled:
+      grasp = CellCentres(outline.corners, kZetaFilled);
+      break;
+    case State::kSuccess:
+    case State::kFail:
+      break;
+  }
+  observation.grasp_points = ToPosePoints(std::move(grasp), bag, view, config);
+  observation.place_points = ToPosePoints(std::move(place), bag, view, config);
+}
+
+void AddWarnings(const View& view, const std::optional<BagBody>& bag, Observation& observation) {
+  std::vector<std::string>& warnings = observation.warnings;
+  if (view.scaled) warnings.push_back("image scaled to the size that thresholds are given for");
+  if (!view.has_surroundings) warnings.push_back("bare region of interest: state by areas alone");
+  if (view.frame.depth_mm.empty()) warnings.push_back("no depth image: points lie on the table");
+  if (bag && bag->at_border) warnings.push_back("bag cut by the edge of the region of interest");
+  if (observation.state == State::kFilled && !observation.rim) {
+    warnings.push_back("no label seen: points numbered from the upper right");
+  }
+  const auto without_depth = [](const std::vector<PosePoint>& points) {
+    return std::count_if(points.begin(), points.end(),
+                         [](const PosePoint& point) { return !point.from_depth; });
+  };
+  const auto missing =
+      without_depth(observation.grasp_points) + without_depth(observation.place_points);
+  if (missing > 0 && !view.frame.depth_mm.empty()) {
+    warnings.push_back("no depth at " + std::to_string(missing) + " pose points");
+  }
+}
+
+}  // namespace
+
+Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
+                     const PerceptionConfig& config, const BagThresholds& thresholds) {
+  const View view = MakeView(frame, camera, config);
+  const ColorMasks masks = ThresholdColors(view, config);
+  const std::optional<CubeBlob> blob = FindCube(masks, view, config);
+  const std::optional<BagBody> bag = FindBag(ClothWithCube(masks, blob, view), config);
+
+  Observation observation;
+  observation.roi = view.roi;
+  observation.has_surroundings = view.has_surroundings;
+  if (blob) observation.cube = LocateCube(*blob, view, config);
+  observation.piece = observation.cube && observation.cube->in_roi;
+  if (bag) {
+    observation.bag_seen = true;
+    observation.A_bag = bag->area_px2;
+    for (const Label& label :
+         FindLabels(masks.label, bag->mask, 2 * thresholds.labels_per_layer, config)) {
+      observation.labels.push_back(label.centroid + cv::Point2d(view.roi.tl()));
+    }
+    observation.mouth_seen = static_cast<int>(observation.labels.size()) >= kLabelsOfMouth;
+    const Opening opening = MeasureOpening(observation.labels);
+    observation.A_o = opening.area_px2;
+    observation.opening_radius_px = std::sqrt(opening.area_px2 / std::numbers::pi);
+    observation.opening_centre = Deproject(view, opening.centre, config);
+  }
+
+  Evidence evidence;
+  evidence.has_surroundings = view.has_surroundings;
+  evidence.bag_seen = observation.bag_seen;
+  evidence.cube_seen = observation.cube.has_value();
+  evidence.cube_in_roi = observation.piece;
+  evidence.cube_in_mouth = observation.piece && IsInMouth(*observation.cube, observation.labels,
+                                                          CubeWidth(view, config));
+  evidence.cube_on_bag = observation.piece && IsOnBag(*observation.cube, bag, view);
+  evidence.labels_seen = static_cast<int>(observation.labels.size());
+  evidence.A_bag = observation.A_bag;
+  evidence.A_o = observation.A_o;
+  const Classified classified = ClassifyState(evidence, thresholds);
+  observation.state = classified.state;
+  observation.cube_hidden = classified.cube_hidden;
+
+  if (bag) AddPosePoints(*bag, view, config, observation);
+  AddWarnings(view, bag, observation);
+  return observation;
+}
+
+}  // namespace gusset

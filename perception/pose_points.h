@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace gusset {
+
+/// A four-sided figure: the first side runs from corner 0 to corner 1 (the rim, where there is
+/// one).
+using Quad = std::array<cv::Point2d, 4>;
+
+/// The point at the share `along` of the way from corner 0's end to corner 1's, and `away` of the
+/// way from the first side to the opposite one; both 0..1.
+cv::Point2d GridPoint(const Quad& quad, double along, double away);
+
+/// Centres of the cells of a zeta x zeta grid (Eq. 5.12), row by row from the first side.
+std::vector<cv::Point2d> CellCentres(const Quad& quad, int zeta);
+
+/// `count` points on a line beside the first side, at 1.6/9 of the figure's length from it: the
+/// share that the thesis's authors used in their own code (and figure 5.2 b shows).
+std::vector<cv::Point2d> RimPoints(const Quad& quad, int count);
+
+/// Moves each point that is not on the mask to the nearest pixel of it that is at least `inset_px`
+/// from its edge (of the mask itself, where it is too thin for that). An empty mask moves nothing.
+/// @param mask CV_8UC1; its pixel (0, 0) is at `origin`.
+void SnapOnto(const cv::Mat& mask, cv::Point origin, double inset_px,
+              std::vector<cv::Point2d>& points);
+
+}  // namespace gusset

@@ -1,0 +1,484 @@
+#include "sim/cloth/cloth.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <queue>
+
+#include "base/error.h"
+
+namespace gusset {
+namespace {
+
+constexpr float kGravity = 9.81f;
+constexpr float kAirDensity_kg_m3 = 1.2f;  // dry air at 20 C and sea level
+constexpr int kAirEvery = 4;               // substeps between evaluations of the air's force
+constexpr int kCandidatesEvery = 4;        // substeps between searches for shapes' contacts
+constexpr float kCandidateReach_m = 0.008f;
+// Woven cotton's yarns straighten by about a percent before they bear; tethers allow for it.
+constexpr float kTetherSlack = 1.01f;
+// Points per triangle side when cloth between the pads is looked for: 20 mm / 8 = 2.5 mm apart.
+constexpr int kHoldSamples = 8;
+
+}  // namespace
+
+Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solver)
+    : mesh_(std::move(mesh)),
+      bag_(bag),
+      solver_(solver),
+      contact_(mesh_, static_cast<float>(bag.friction_cloth)) {
+  const float h = 1.0f / static_cast<float>(solver.substeps_per_s);
+  // Bending is explicit: its fastest mode, bounded by Gershgorin's row sums of K/m, must stay below
+  // (2/h)^2 less what damping takes (Hairer, Lubich, Wanner 2006, I.1.4).
+  std::vector<float> row_sum(mesh_.mass_kg.size(), 0.0f);
+  for (const ClothBend& b : mesh_.bends) {
+    row_sum[b.a] += 4 * b.stiffness_N_m;
+    row_sum[b.mid] += 8 * b.stiffness_N_m;
+    row_sum[b.c] += 4 * b.stiffness_N_m;
+  }
+  float fastest = 0;
+  for (std::size_t i = 0; i < row_sum.size(); ++i) {
+    fastest = std::max(fastest, row_sum[i] / mesh_.mass_kg[i]);
+  }
+  const float limit = 4.0f / (h * h) / (1.0f + 2.0f * static_cast<float>(solver.bend_damping_s) / h);
+  if (fastest > limit) {
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  "bag '%s': cloth.flexural_rigidity_Nm = %g with this mesh and weight needs more "
+                  "than solver.substeps_per_s = %d (bound: %d)",
+                  bag.name.c_str(), bag.flexural_rigidity_Nm, solver.substeps_per_s,
+                  static_cast<int>(std::ceil(std::sqrt(fastest / limit) * solver.substeps_per_s)));
+    throw InputError(text);
+  }
+  for (const float m : mesh_.mass_kg) inv_mass_.push_back(1.0f / m);
+  state_.x = mesh_.rest;
+  state_.v.assign(mesh_.rest.size(), Vec3f::Zero());
+  x_prev_ = state_.x;
+  air_.assign(mesh_.rest.size(), Vec3f::Zero());
+  bend_force_ = air_;
+  for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, 0, 0}, {1, 0, 0}, 1});
+  for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], 0}, {0.5f, 0.5f, 0}, 2});
+  for (const auto& t : mesh_.triangles) {
+    samples_.push_back({{t[0], t[1], t[2]}, {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}, 3});
+  }
+}
+
+void Cloth::SetState(ClothState state) {
+  state_ = std::move(state);
+  x_prev_ = state_.x;
+  contact_.Invalidate();
+  since_candidates_ = 0;
+  since_air_ = 0;
+  candidates_.clear();
+}
+
+void Cloth::ApplyBending(float h) {
+  // Energy k/2 |a - 2 mid + c|^2 per row of three (see MakeBagMesh), damped in proportion.
+  for (Vec3f& f : bend_force_) f.setZero();
+  const float damping = static_cast<float>(solver_.bend_damping_s);
+  const auto& x = state_.x;
+  const auto& v = state_.v;
+  for (const ClothBend& b : mesh_.bends) {
+    const Vec3f second = x[b.a] - 2 * x[b.mid] + x[b.c];
+    const Vec3f rate = v[b.a] - 2 * v[b.mid] + v[b.c];
+    const Vec3f f = b.stiffness_N_m * (second + damping * rate);
+    bend_force_[b.a] -= f;
+    bend_force_[b.mid] += 2 * f;
+    bend_force_[b.c] -= f;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) state_.v[i] += bend_force_[i] * (h * inv_mass_[i]);
+}
+
+void Cloth::ApplyAir(float h) {
+  // Pressure drag of each face, 1/2 rho C v_n^2 A along its normal. A bag's two layers share the
+  // flow, so each takes half.
+  if (since_air_ == 0) {
+    for (Vec3f& f : air_) f.setZero();
+    const float c = 0.5f * kAirDensity_kg_m3 * static_cast<float>(bag_.drag_coefficient) /
+                    static_cast<float>(mesh_.layers);
+    for (const auto& t : mesh_.triangles) {
+      const Vec3f &a = state_.x[t[0]], &b = state_.x[t[1]], &d = state_.x[t[2]];
+      const Vec3f twice = (b - a).cross(d - a);
+      const float twice_area = twice.norm();
+      if (twice_area < 1e-12f) continue;
+      const Vec3f v = (state_.v[t[0]] + state_.v[t[1]] + state_.v[t[2]]) / 3.0f;
+      const float along = v.dot(twice) / twice_area;
+      const Vec3f f = twice * (-c * 0.5f * along * std::abs(along) / 3.0f);
+      for (const int n : t) air_[n] += f;
+    }
+  }
+  since_air_ = (since_air_ + 1) % kAirEvery;
+  for (std::size_t i = 0; i < state_.v.size(); ++i) {
+    // Never more than stops the node: the force is a few substeps old.
+    Vec3f dv = air_[i] * (h * inv_mass_[i]);
+    const float dv2 = dv.squaredNorm(), v2 = state_.v[i].squaredNorm();
+    if (dv2 > v2 && dv2 > 0) dv *= std::sqrt(v2 / dv2);
+    state_.v[i] += dv;
+  }
+}
+
+void Cloth::Predict(float h) {
+  if (contact_.Stale(state_.x)) contact_.Detect(state_.x, state_.v);
+  ApplyBending(h);
+  ApplyAir(h);
+  const float keep = 1.0f - static_cast<float>(solver_.damping_per_s) * h;
+  const float fall = gravity_on ? kGravity * h : 0.0f;
+  x_prev_ = state_.x;
+  for (std::size_t i = 0; i < state_.x.size(); ++i) {
+    state_.v[i] *= keep;
+    state_.v[i].z() -= fall;
+    state_.x[i] += state_.v[i] * h;
+  }
+}
+
+void Cloth::SolveStretch(float h, bool forward, bool first) {
+  auto& x = state_.x;
+  const float per_h2 = 1.0f / (h * h);
+  const float tension = static_cast<float>(solver_.stretch_compliance_m_N) * per_h2;
+  const float compression = static_cast<float>(solver_.compression_compliance_m_N) * per_h2;
+  const float shear = static_cast<float>(solver_.shear_compliance_m_N) * per_h2;
+  const auto solve = [&](const ClothLink& link, float soft, float hard) {
+    const Vec3f d = x[link.b] - x[link.a];
+    const float length = d.norm();
+    const float c = length - link.rest_m;
+    // Compliant directions act once a substep: a second visit would double their stiffness.
+    if (length < 1e-9f || (c < 0 && !first)) return;
+    const float wa = inv_mass_[link.a], wb = inv_mass_[link.b];
+    const float lambda = c / ((wa + wb + (c < 0 ? soft : hard)) * length);
+    x[link.a] += d * (lambda * wa);
+    x[link.b] -= d * (lambda * wb);
+  };
+  if (first) {
+    for (const ClothLink& link : mesh_.shear) solve(link, std::max(compression, shear), shear);
+  }
+  if (forward) {
+    for (const ClothLink& link : mesh_.stretch) solve(link, compression, tension);
+  } else {
+    for (auto it = mesh_.stretch.rbegin(); it != mesh_.stretch.rend(); ++it) {
+      solve(*it, compression, tension);
+    }
+  }
+}
+
+void Cloth::SolveTable() {
+  const float floor = 0.5f * mesh_.thickness_m;
+  const float mu = static_cast<float>(bag_.friction_table);
+  const float most_up = static_cast<float>(solver_.separation_speed_m_s / solver_.substeps_per_s);
+  for (std::size_t i = 0; i < state_.x.size(); ++i) {
+    Vec3f& x = state_.x[i];
+    if (x.z() >= floor) continue;
+    const float target = std::min(floor, std::max(x_prev_[i].z(), 0.0f) + most_up);
+    const float depth = target - x.z();
+    if (depth <= 0) continue;
+    x.z() = target;
+    const float sx = x.x() - x_prev_[i].x(), sy = x.y() - x_prev_[i].y();
+    const float slip = std::sqrt(sx * sx + sy * sy);
+    const float share = slip > mu * depth ? mu * depth / slip : 1.0f;
+    x.x() -= sx * share;
+    x.y() -= sy * share;
+  }
+}
+
+void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
+  candidates_.assign(shapes.size(), {});
+  lo_ = hi_ = state_.x.front();
+  for (const Vec3f& p : state_.x) {
+    lo_ = lo_.cwiseMin(p);
+    hi_ = hi_.cwiseMax(p);
+  }
+  const float reach = kCandidateReach_m + 0.5f * mesh_.thickness_m;
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    const RigidShape& shape = shapes[s];
+    const Vec3f extent = shape.X_WS.linear().cwiseAbs() * shape.half;
+    const Vec3f lo = shape.X_WS.translation() - extent - Vec3f::Constant(reach);
+    const Vec3f hi = shape.X_WS.translation() + extent + Vec3f::Constant(reach);
+    if ((lo.array() > hi_.array()).any() || (hi.array() < lo_.array()).any()) continue;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const Sample& m = samples_[i];
+      Vec3f p = m.weight[0] * state_.x[m.node[0]];
+      for (int k = 1; k < m.count; ++k) p += m.weight[k] * state_.x[m.node[k]];
+      if ((p.array() < lo.array()).any() || (p.array() > hi.array()).any()) continue;
+      candidates_[s].push_back(static_cast<int>(i));
+    }
+  }
+}
+
+void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h) {
+  if (candidates.empty()) return;
+  const float gap = 0.5f * mesh_.thickness_m;
+  const float most_out = static_cast<float>(solver_.separation_speed_m_s) * h;
+  const Eigen::Isometry3f X_SW_prev = shape.X_WS_prev.inverse();
+  for (const int index : candidates) {
+    const Sample& m = samples_[index];
+    Vec3f p = m.weight[0] * state_.x[m.node[0]];
+    Vec3f p_prev = m.weight[0] * x_prev_[m.node[0]];
+    float w = m.weight[0] * m.weight[0] * inv_mass_[m.node[0]];
+    for (int k = 1; k < m.count; ++k) {
+      p += m.weight[k] * state_.x[m.node[k]];
+      p_prev += m.weight[k] * x_prev_[m.node[k]];
+      w += m.weight[k] * m.weight[k] * inv_mass_[m.node[k]];
+    }
+    const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
+    Vec3f n_S;
+    const float distance = SignedDistance(shape, p_S, n_S);
+    if (distance >= gap) continue;
+    // As between layers: approach is stopped at once, old overlap undone slowly.
+    const Vec3f p_S_prev = X_SW_prev * p_prev;
+    Vec3f n_prev;
+    const float before = SignedDistance(shape, p_S_prev, n_prev);
+    const float target = std::min(gap, std::max(before, -gap) + most_out);
+    const float depth = target - distance;
+    if (depth <= 0) continue;
+    const Vec3f n = shape.X_WS.linear() * n_S;
+    const Vec3f slip3 = p - shape.X_WS * p_S_prev;  // relative to the body's own motion
+    const Vec3f slip = slip3 - n * n.dot(slip3);
+    const float slip_m = slip.norm();
+    const float most = shape.friction * depth;
+    const Vec3f move = n * depth - slip * (slip_m > most ? most / slip_m : 1.0f);
+    const Vec3f arm = p - shape.X_WS.translation();
+    float w_body = shape.inv_mass;
+    if (w_body > 0) {
+      const Vec3f rn = arm.cross(n);
+      w_body += rn.dot(shape.inv_inertia_W * rn);
+    }
+    const Vec3f push = move / (w + w_body);
+    for (int k = 0; k < m.count; ++k) {
+      state_.x[m.node[k]] += push * (m.weight[k] * inv_mass_[m.node[k]]);
+    }
+    const Vec3f impulse = -push / h;
+    shape.impulse += impulse;
+    shape.angular_impulse += arm.cross(impulse);
+    if (n_S.x() > 0.7f) shape.impulse_plus_x += depth / (w + w_body) / h;
+    if (n_S.x() < -0.7f) shape.impulse_minus_x += depth / (w + w_body) / h;
+    if (w_body > 0) {
+      // The body yields within the substep too, so that the next sample sees it where it will be.
+      shape.X_WS.translation() += impulse * (shape.inv_mass * h);
+      const Vec3f turn = shape.inv_inertia_W * arm.cross(impulse) * h;
+      const float angle = turn.norm();
+      if (angle > 1e-9f) {
+        shape.X_WS.linear() =
+            Eigen::AngleAxisf(angle, turn / angle).toRotationMatrix() * shape.X_WS.linear();
+      }
+    }
+  }
+}
+
+void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
+  const float per_h2 = 1.0f / (h * h);
+  for (HeldPoint& held : state_.held) {
+    const Vec3f p = held.weight[0] * state_.x[held.node[0]] +
+                    held.weight[1] * state_.x[held.node[1]] +
+                    held.weight[2] * state_.x[held.node[2]];
+    float w = 0;
+    for (int k = 0; k < 3; ++k) w += held.weight[k] * held.weight[k] * inv_mass_[held.node[k]];
+    const Vec3f target = X_WT * held.p_T;
+    Vec3f push = (target - p) / w;
+    const float force = push.norm() * per_h2;
+    const float limit = held.share * state_.hold_limit_N;
+    if (force > limit) push *= limit / force;  // the pads give what friction allows: it slips
+    for (int k = 0; k < 3; ++k) {
+      state_.x[held.node[k]] += push * (held.weight[k] * inv_mass_[held.node[k]]);
+    }
+    if (force > limit) held.p_T = X_WT.inverse() * (p + push * w);
+    hold_force_N_ -= push * per_h2;
+  }
+}
+
+void Cloth::Tether(const Eigen::Isometry3f& X_WT) {
+  // Long-range attachments (Kim, Chentanez, Mueller 2012): no node further from the hold than the
+  // cloth between them is long. Carries the load past what one sweep of the yarns reaches.
+  if (state_.tether_m.empty()) return;
+  const float per_h = static_cast<float>(solver_.substeps_per_s);
+  for (std::size_t i = 0; i < state_.x.size(); ++i) {
+    const HeldPoint& held = state_.held[state_.tether_to[i]];
+    const Vec3f anchor = X_WT * held.p_T;
+    const Vec3f d = state_.x[i] - anchor;
+    const float length2 = d.squaredNorm(), most = state_.tether_m[i];
+    if (length2 <= most * most) continue;
+    const float length = std::sqrt(length2);
+    const Vec3f move = d * (most / length - 1.0f);
+    state_.x[i] += move;
+    hold_force_N_ -= move * (per_h * per_h / inv_mass_[i]);
+  }
+}
+
+void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
+                             std::vector<RigidShape>& shapes) {
+  if (since_candidates_ == 0 || candidates_.size() != shapes.size()) FindCandidates(shapes);
+  since_candidates_ = (since_candidates_ + 1) % kCandidatesEvery;
+  for (RigidShape& shape : shapes) {
+    shape.impulse.setZero();
+    shape.angular_impulse.setZero();
+    shape.impulse_minus_x = shape.impulse_plus_x = 0;
+  }
+  hold_force_N_.setZero();
+  contact_.Prepare(x_prev_, state_.x, static_cast<float>(solver_.separation_speed_m_s) * h);
+  for (int k = 0; k < solver_.iterations; ++k) {
+    SolveHold(h, X_WT);
+    Tether(X_WT);
+    SolveStretch(h, k % 2 == 0, k == 0);
+    contact_.Solve(x_prev_, inv_mass_, state_.x);
+    for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
+    SolveTable();
+  }
+  contact_.Enforce(x_prev_, inv_mass_, 0.5f * mesh_.thickness_m, state_.x);
+  const float per_h = 1.0f / h;
+  for (std::size_t i = 0; i < state_.x.size(); ++i) {
+    state_.v[i] = (state_.x[i] - x_prev_[i]) * per_h;
+  }
+}
+
+float Cloth::MaxSpeed() const {
+  float most = 0;
+  for (const Vec3f& v : state_.v) {
+    const float v2 = v.squaredNorm();
+    if (!(v2 <= std::numeric_limits<float>::max())) return std::numeric_limits<float>::infinity();
+    most = std::max(most, v2);
+  }
+  return std::sqrt(most);
+}
+
+float Cloth::MaxStretch(int* where) const {
+  float most = 0;
+  for (const ClothLink& link : mesh_.stretch) {
+    const float ratio = (state_.x[link.a] - state_.x[link.b]).norm() / link.rest_m;
+    if (ratio > most) {
+      most = ratio;
+      if (where) *where = link.a;
+    }
+  }
+  return most;
+}
+
+namespace {
+
+// Visits the points of a fine grid on every triangle that lie between the pads.
+template <class Visit>
+void ForPointsBetween(const ClothMesh& mesh, const Vec3Array& x, const PadGap& gap, Visit visit) {
+  const Eigen::Isometry3f X_TW = gap.X_WT.inverse();
+  const float half_open = 0.5f * gap.opening_m + 0.5f * mesh.thickness_m;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& n = mesh.triangles[t];
+    const Vec3f a = X_TW * x[n[0]], b = X_TW * x[n[1]], c = X_TW * x[n[2]];
+    const Vec3f lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
+    if (lo.x() > half_open || hi.x() < -half_open || lo.y() > gap.half_width_m ||
+        hi.y() < -gap.half_width_m || lo.z() > 0 || hi.z() < -gap.height_m) {
+      continue;
+    }
+    const auto rest = [&](int k) { return mesh.uv[n[k]]; };
+    const Eigen::Vector2f e1 = rest(1) - rest(0), e2 = rest(2) - rest(0);
+    const float area = 0.5f * std::abs(e1.x() * e2.y() - e1.y() * e2.x());
+    constexpr int kPoints = kHoldSamples * kHoldSamples;
+    for (int i = 0; i < kHoldSamples; ++i) {
+      for (int j = 0; j < 2 * (kHoldSamples - i) - 1; ++j) {
+        // Centres of the kHoldSamples^2 equal small triangles.
+        const float k = static_cast<float>(j / 2);
+        const float third = j % 2 == 0 ? 1 / 3.0f : 2 / 3.0f;
+        const float w1 = (static_cast<float>(i) + third) / kHoldSamples;
+        const float w2 = (k + third) / kHoldSamples;
+        const Vec3f weight(1 - w1 - w2, w1, w2);
+        const Vec3f p_T = weight[0] * a + weight[1] * b + weight[2] * c;
+        if (std::abs(p_T.x()) > half_open || std::abs(p_T.y()) > gap.half_width_m || p_T.z() > 0 ||
+            p_T.z() < -gap.height_m) {
+          continue;
+        }
+        visit(static_cast<int>(t), weight, p_T, area / kPoints);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+float Cloth::StackBetween(const PadGap& gap) const {
+  constexpr int kAcross = 4, kUp = 7;  // cells of about 5.5 mm
+  std::array<float, kAcross * kUp> area{};
+  ForPointsBetween(mesh_, state_.x, gap, [&](int, const Vec3f&, const Vec3f& p_T, float a) {
+    const int i = std::min(kAcross - 1, static_cast<int>((p_T.y() / gap.half_width_m + 1) * 0.5f *
+                                                         kAcross));
+    const int j = std::min(kUp - 1, static_cast<int>(-p_T.z() / gap.height_m * kUp));
+    area[j * kAcross + i] += a;
+  });
+  float most = 0;
+  for (const float a : area) most = std::max(most, a);
+  const float cell = 2 * gap.half_width_m * gap.height_m / (kAcross * kUp);
+  return most / cell * mesh_.thickness_m;
+}
+
+void Cloth::BeginHold(const PadGap& gap, float limit_N) {
+  EndHold();
+  float total = 0;
+  int last = -1;
+  ForPointsBetween(mesh_, state_.x, gap,
+                   [&](int t, const Vec3f& weight, const Vec3f& p_T, float area) {
+                     // One held point per triangle: the mean of what lies between the pads.
+                     if (t != last) {
+                       HeldPoint held;
+                       held.node = mesh_.triangles[t];
+                       held.layer = mesh_.triangle_layer[t];
+                       state_.held.push_back(held);
+                       last = t;
+                     }
+                     HeldPoint& held = state_.held.back();
+                     held.weight += weight * area;
+                     held.p_T += p_T * area;
+                     held.share += area;
+                     total += area;
+                   });
+  if (state_.held.empty()) return;
+  for (HeldPoint& held : state_.held) {
+    held.weight /= held.share;
+    held.p_T /= held.share;
+    held.share /= total;
+  }
+  state_.hold_limit_N = limit_N;
+
+  // Geodesic distance of every node from the held points, along yarns and diagonals (Dijkstra).
+  const std::size_t n = state_.x.size();
+  std::vector<std::vector<std::pair<int, float>>> neighbours(n);
+  for (const auto* links : {&mesh_.stretch, &mesh_.shear}) {
+    for (const ClothLink& link : *links) {
+      neighbours[link.a].emplace_back(link.b, link.rest_m);
+      neighbours[link.b].emplace_back(link.a, link.rest_m);
+    }
+  }
+  state_.tether_m.assign(n, std::numeric_limits<float>::max());
+  state_.tether_to.assign(n, 0);
+  using Entry = std::pair<float, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  for (std::size_t k = 0; k < state_.held.size(); ++k) {
+    const HeldPoint& held = state_.held[k];
+    Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+    for (int c = 0; c < 3; ++c) uv += held.weight[c] * mesh_.uv[held.node[c]];
+    for (const int node : held.node) {
+      const float d = (mesh_.uv[node] - uv).norm();
+      if (d < state_.tether_m[node]) {
+        state_.tether_m[node] = d;
+        state_.tether_to[node] = static_cast<int>(k);
+        open.emplace(d, node);
+      }
+    }
+  }
+  while (!open.empty()) {
+    const auto [d, i] = open.top();
+    open.pop();
+    if (d > state_.tether_m[i]) continue;
+    for (const auto& [j, length] : neighbours[i]) {
+      if (d + length < state_.tether_m[j]) {
+        state_.tether_m[j] = d + length;
+        state_.tether_to[j] = state_.tether_to[i];
+        open.emplace(d + length, j);
+      }
+    }
+  }
+  for (float& d : state_.tether_m) d = d * kTetherSlack + 0.001f;
+}
+
+void Cloth::EndHold() {
+  state_.held.clear();
+  state_.tether_m.clear();
+  state_.tether_to.clear();
+  state_.hold_limit_N = 0;
+}
+
+}  // namespace gusset

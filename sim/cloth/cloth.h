@@ -1,0 +1,109 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/cloth/bag_config.h"
+#include "sim/cloth/bag_mesh.h"
+#include "sim/cloth/cloth_types.h"
+#include "sim/cloth/rigid_shape.h"
+#include "sim/cloth/self_contact.h"
+
+namespace gusset {
+
+/// Cloth held between a gripper's pads: a material point bound to a place in the tool frame.
+struct HeldPoint {
+  std::array<int, 3> node{};
+  Vec3f weight = Vec3f::Zero();  ///< Barycentric.
+  Vec3f p_T = Vec3f::Zero();
+  float share = 0;  ///< Of the hold's force limit.
+  int layer = 0;
+};
+
+/// Everything about a cloth that a snapshot must keep.
+struct ClothState {
+  Vec3Array x;  ///< m, world.
+  Vec3Array v;  ///< m/s.
+  std::vector<HeldPoint> held;
+  std::vector<float> tether_m;  ///< Per node: longest distance to tether_to; empty: no hold.
+  std::vector<int> tether_to;   ///< Per node: index into held.
+  float hold_limit_N = 0;
+};
+
+/// The volume between a gripper's pads, in the tool frame: |x| <= opening/2, |y| <= half_width,
+/// -height <= z <= 0.
+struct PadGap {
+  Eigen::Isometry3f X_WT = Eigen::Isometry3f::Identity();
+  float opening_m = 0;
+  float half_width_m = 0.011f;
+  float height_m = 0.0375f;
+};
+
+/// A cloth stepped by extended position-based dynamics in small substeps (Macklin, Mueller,
+/// Chentanez 2016; Macklin et al. 2019): bending and air as forces, yarns as constraints, contact
+/// with itself, a table at z = 0 and rigid shapes, a gripper's hold with a force limit.
+class Cloth {
+ public:
+  /// @throws InputError if the material cannot be stepped stably with the solver's settings.
+  Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solver);
+  Cloth(const Cloth&) = delete;
+
+  const ClothMesh& mesh() const { return mesh_; }
+  const ClothState& state() const { return state_; }
+  /// Puts the cloth somewhere; the contact search starts afresh.
+  void SetState(ClothState state);
+
+  /// Forces and free motion over h seconds.
+  void Predict(float h);
+  /// Constraints and contact; ends the substep. X_WT: the tool at its end.
+  void SolveConstraints(float h, const Eigen::Isometry3f& X_WT, std::vector<RigidShape>& shapes);
+
+  /// Binds what lies between the pads to the tool, with a force limit shared by area.
+  void BeginHold(const PadGap& gap, float limit_N);
+  void EndHold();
+  bool holding() const { return !state_.held.empty(); }
+  /// Thickest stack of cloth between the pads (m), were it pressed together.
+  float StackBetween(const PadGap& gap) const;
+  /// Force of the cloth on the tool through the hold in the last substep (N).
+  const Vec3f& hold_force_N() const { return hold_force_N_; }
+
+  float MaxSpeed() const;
+  /// Largest stretch ratio of the yarns now, and the node where it is.
+  float MaxStretch(int* where = nullptr) const;
+  const SelfContact& contact() const { return contact_; }
+  bool gravity_on = true;
+
+ private:
+  struct Sample {  ///< A point of the cloth that rigid shapes are tested against.
+    std::array<int, 3> node;
+    std::array<float, 3> weight;
+    int count;
+  };
+
+  void ApplyBending(float h);
+  void ApplyAir(float h);
+  void SolveStretch(float h, bool forward, bool first);
+  void SolveTable();
+  void SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h);
+  void SolveHold(float h, const Eigen::Isometry3f& X_WT);
+  void FindCandidates(const std::vector<RigidShape>& shapes);
+  void Tether(const Eigen::Isometry3f& X_WT);
+
+  ClothMesh mesh_;
+  BagConfig bag_;
+  ClothSolverConfig solver_;
+  ClothState state_;
+  Vec3Array x_prev_;
+  std::vector<float> inv_mass_;
+  std::vector<Sample> samples_;
+  std::vector<std::vector<int>> candidates_;
+  Vec3f lo_ = Vec3f::Zero(), hi_ = Vec3f::Zero();
+  int since_candidates_ = 0;
+  int since_air_ = 0;
+  Vec3Array air_;  ///< Force of the air per node, N.
+  Vec3Array bend_force_;
+  SelfContact contact_;
+  Vec3f hold_force_N_ = Vec3f::Zero();
+};
+
+}  // namespace gusset

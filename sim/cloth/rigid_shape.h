@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "sim/cloth/cloth_types.h"
+
+namespace gusset {
+
+/// A convex rigid body as the cloth sees it. Kinematic when inv_mass is 0.
+struct RigidShape {
+  enum class Kind { kBox, kSphere, kCylinder };  ///< Cylinder: axis along z.
+  Kind kind = Kind::kBox;
+  Vec3f half = Vec3f::Zero();  ///< Box: half extents. Sphere: (r, r, r). Cylinder: (r, r, half length).
+  Eigen::Isometry3f X_WS = Eigen::Isometry3f::Identity();       ///< At the substep's end.
+  Eigen::Isometry3f X_WS_prev = Eigen::Isometry3f::Identity();  ///< At its start.
+  float friction = 0.5f;
+  float inv_mass = 0;                                   ///< 1/kg.
+  Eigen::Matrix3f inv_inertia_W = Eigen::Matrix3f::Zero();
+  /// What the cloth did to the body in this substep, momentum in N s and N m s about its centre.
+  Vec3f impulse = Vec3f::Zero();
+  Vec3f angular_impulse = Vec3f::Zero();
+  /// Pushes of the cloth against the body's -x and +x faces, N s; a gripper's pads read them.
+  float impulse_minus_x = 0;
+  float impulse_plus_x = 0;
+};
+
+/// Distance (m, negative inside) of p_S from the shape's surface and the outward normal there.
+float SignedDistance(const RigidShape& shape, const Vec3f& p_S, Vec3f& normal_S);
+
+}  // namespace gusset

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "sim/render/scene_view.h"
+
+namespace gusset {
+
+/// The look of one layer, both sides: plain weave, hem under the rim, stitching along the seams,
+/// labels with soft edges. CV_8UC3, RGB. Column 0 starts at u = 0, row 0 at v = 0; the last ends at
+/// `extent_m`, the layer's size (u, v) in metres.
+cv::Mat ClothTexture(const ClothItem& cloth, int layer, const Eigen::Vector2f& extent_m,
+                     cv::Size pixels);
+
+/// Mottling as of woven stuff that lay folded: CV_32FC1, within -1..1, mean about 0.
+cv::Mat FabricTexture(int pixels);
+
+}  // namespace gusset

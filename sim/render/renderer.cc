@@ -1,0 +1,524 @@
+#include "sim/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "sim/render/cloth_surface.h"
+#include "sim/render/cloth_texture.h"
+#include "sim/render/gl_context.h"
+#include "sim/render/mesh_normals.h"
+#include "sim/render/shaders.h"
+
+namespace gusset {
+namespace {
+
+constexpr double kNear_m = 0.05, kFar_m = 12;
+
+// The ground map (see shaders.cc): 3.75 mm a texel over the table's middle. Heights beyond
+// kCaster_m are cut there, or their blurred edges would darken far too wide a border.
+constexpr int kGroundPixels = 256;
+constexpr double kGroundHalf_m = 0.48, kHeightRange_m = 1.5, kCaster_m = 0.05;
+constexpr double kBlurTexels = 2.0;
+
+constexpr int kClothTexturePixels = 384;
+constexpr int kClothLevels = 1;
+constexpr double kCrease_deg = 40;
+constexpr std::size_t kMaxCachedMeshes = 256;
+
+enum Attribute : GLuint { kPosition = 0, kNormal = 1, kUvLayer = 2 };
+
+/// Binds the context for as long as it lives.
+class Current {
+ public:
+  explicit Current(GlContext& context) : context_(context) { context_.MakeCurrent(); }
+  ~Current() { context_.Release(); }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  GlContext& context_;
+};
+
+/// Axis-aligned box.
+struct Bounds {
+  Eigen::Vector3f lo = Eigen::Vector3f::Constant(0), hi = lo;
+};
+
+struct MeshOnCard {
+  TriMesh source;  // what was uploaded
+  Bounds bounds;
+  GLuint vertex_array = 0, vertices = 0, indices = 0;
+  GLsizei index_count = 0;
+};
+
+struct ClothOnCard {
+  std::optional<ClothSurface> surface;
+  GLuint vertex_array = 0, positions = 0, normals = 0, uv_layer = 0, indices = 0;
+  GLuint texture = 0;
+  std::vector<LabelPatch> labels;
+  Eigen::Vector3f rgb, label_rgb;
+  Eigen::Vector2f extent_m;
+  bool textured = false;
+};
+
+/// Pixel centres: OpenCV's lie at integers, OpenGL's at halves. Image row 0 is drawn at OpenGL's
+/// bottom, so what is read back needs no flip; windings turn over instead.
+Eigen::Matrix4f ClipFromWorld(const CameraModel& camera) {
+  const Pinhole& p = camera.pinhole;
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  clip(0, 0) = 2 * p.fx / p.width;
+  clip(0, 2) = 2 * (p.cx + 0.5) / p.width - 1;
+  clip(1, 1) = 2 * p.fy / p.height;
+  clip(1, 2) = 2 * (p.cy + 0.5) / p.height - 1;
+  clip(2, 2) = (kFar_m + kNear_m) / (kFar_m - kNear_m);
+  clip(2, 3) = -2 * kFar_m * kNear_m / (kFar_m - kNear_m);
+  clip(3, 2) = 1;
+  return (clip * camera.X_WC.inverse().matrix()).cast<float>();
+}
+
+Eigen::Vector3d TowardsLight(const LightConfig& light) {
+  const double azimuth = light.azimuth_deg * std::numbers::pi / 180;
+  const double elevation = light.elevation_deg * std::numbers::pi / 180;
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+          std::sin(elevation)};
+}
+
+/// Seen from above, sheared so that every ray of the light meets one texel; depth 1 is height 0.
+Eigen::Matrix4f GroundFromWorld(const Eigen::Vector2d& shear) {
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
+  clip(0, 0) = clip(1, 1) = 1 / kGroundHalf_m;
+  clip.block<2, 1>(0, 2) = -shear / kGroundHalf_m;
+  clip(2, 2) = -2 / kHeightRange_m;
+  clip(2, 3) = 1;
+  return clip.cast<float>();
+}
+
+Bounds BoundsInWorld(const Bounds& local, const Eigen::Isometry3f& X_WM) {
+  const Eigen::Vector3f centre = X_WM * Eigen::Vector3f((local.lo + local.hi) / 2);
+  const Eigen::Vector3f half = X_WM.linear().cwiseAbs() * ((local.hi - local.lo) / 2);
+  return {centre - half, centre + half};
+}
+
+/// False only if the whole box is beyond one of the view's sides.
+bool MayBeSeen(const Bounds& box, const Eigen::Matrix4f& clip_from_world) {
+  std::array<int, 6> beyond{};
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector4f corner(i & 1 ? box.hi.x() : box.lo.x(), i & 2 ? box.hi.y() : box.lo.y(),
+                                 i & 4 ? box.hi.z() : box.lo.z(), 1);
+    const Eigen::Vector4f clip = clip_from_world * corner;
+    for (int axis = 0; axis < 3; ++axis) {
+      beyond[2 * axis] += clip[axis] > clip.w();
+      beyond[2 * axis + 1] += clip[axis] < -clip.w();
+    }
+  }
+  return std::ranges::find(beyond, 8) == beyond.end();
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl();
+
+  GLuint Link(const char* vertex_source, const char* fragment_source);
+  void Use(GLuint program);
+  void Set(const char* name, float value) { gl.Uniform1f(At(name), value); }
+  void Set(const char* name, const Eigen::Vector2f& v) { gl.Uniform2f(At(name), v.x(), v.y()); }
+  void Set(const char* name, const Eigen::Vector3f& v) {
+    gl.Uniform3f(At(name), v.x(), v.y(), v.z());
+  }
+  void Set(const char* name, const Eigen::Matrix4f& m) {
+    gl.UniformMatrix4fv(At(name), 1, GL_FALSE, m.data());
+  }
+  void SetSampler(const char* name, int unit) { gl.Uniform1i(At(name), unit); }
+  GLint At(const char* name) { return gl.GetUniformLocation(current_program, name); }
+
+  void Resize(int width, int height);
+  const MeshOnCard& Mesh(const TriMesh& mesh);
+  void UpdateCloth(const ClothItem& item);
+  void UpdateClothTexture(const ClothItem& item);
+  void DrawGroundMap(const SceneView& scene, const Eigen::Vector2d& shear);
+  void SetLight(const LightConfig& light, const Eigen::Vector2d& shear);
+  void DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
+  void DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
+  RgbdFrame ReadBack();
+
+  GlContext context;
+  const GlFunctions& gl;
+  GLuint rigid_program = 0, cloth_program = 0, height_program = 0;
+  GLuint current_program = 0;
+  GLuint frame_buffer = 0, color_buffer = 0, depth_buffer = 0;
+  GLuint height_buffer = 0, height_depth = 0, ground_texture = 0;
+  int width = 0, height_px = 0;
+  std::map<const TriMesh*, MeshOnCard> meshes;
+  ClothOnCard cloth;
+  cv::Mat mottle;                        // CV_32FC1, the ground map's second channel
+  cv::Mat heights, ground, rgba, depth;  // kept from frame to frame to save allocations
+};
+
+Renderer::Impl::Impl() : gl(context.gl()) {
+  rigid_program = Link(kRigidVertexShader, kRigidFragmentShader);
+  cloth_program = Link(kClothVertexShader, kClothFragmentShader);
+  height_program = Link(kHeightVertexShader, kHeightFragmentShader);
+
+  gl.GenFramebuffers(1, &frame_buffer);
+  gl.GenRenderbuffers(1, &color_buffer);
+  gl.GenRenderbuffers(1, &depth_buffer);
+
+  gl.GenFramebuffers(1, &height_buffer);
+  gl.GenRenderbuffers(1, &height_depth);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, height_buffer);
+  gl.BindRenderbuffer(GL_RENDERBUFFER, height_depth);
+  gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, kGroundPixels, kGroundPixels);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, height_depth);
+
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.GenTextures(1, &ground_texture);
+  gl.BindTexture(GL_TEXTURE_2D, ground_texture);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, kGroundPixels, kGroundPixels, 0, GL_RG, GL_FLOAT,
+                nullptr);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  }
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
+    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  }
+
+  mottle = FabricTexture(kGroundPixels);
+
+  gl.GenVertexArrays(1, &cloth.vertex_array);
+  gl.GenTextures(1, &cloth.texture);
+  for (GLuint* buffer : {&cloth.positions, &cloth.normals, &cloth.uv_layer, &cloth.indices}) {
+    gl.GenBuffers(1, buffer);
+  }
+  gl.BindVertexArray(cloth.vertex_array);
+  const std::pair<GLuint, GLuint> arrays[] = {
+      {kPosition, cloth.positions}, {kNormal, cloth.normals}, {kUvLayer, cloth.uv_layer}};
+  for (const auto& [attribute, buffer] : arrays) {
+    gl.BindBuffer(GL_ARRAY_BUFFER, buffer);
+    gl.EnableVertexAttribArray(attribute);
+    gl.VertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
+  }
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, cloth.indices);
+
+  gl.Enable(GL_DEPTH_TEST);
+  gl.Enable(GL_CULL_FACE);
+  gl.ClearColor(0.4f, 0.4f, 0.42f, 1);
+}
+
+GLuint Renderer::Impl::Link(const char* vertex_source, const char* fragment_source) {
+  const GLuint program = gl.CreateProgram();
+  const std::pair<GLenum, const char*> stages[] = {{GL_VERTEX_SHADER, vertex_source},
+                                                   {GL_FRAGMENT_SHADER, fragment_source}};
+  for (const auto& [type, source] : stages) {
+    const GLuint shader = gl.CreateShader(type);
+    gl.ShaderSource(shader, 1, &source, nullptr);
+    gl.CompileShader(shader);
+    GLint compiled = 0;
+    gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (!compiled) {
+      std::array<char, 512> log{};
+      gl.GetShaderInfoLog(shader, log.size(), nullptr, log.data());
+      throw RunError(std::string("a shader does not compile: ") + log.data());
+    }
+    gl.AttachShader(program, shader);
+    gl.DeleteShader(shader);
+  }
+  gl.BindAttribLocation(program, kPosition, "position");
+  gl.BindAttribLocation(program, kNormal, "normal");
+  gl.BindAttribLocation(program, kUvLayer, "uv_layer");
+  gl.LinkProgram(program);
+  GLint linked = 0;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (!linked) throw RunError("shaders do not link");
+  return program;
+}
+
+void Renderer::Impl::Use(GLuint program) {
+  gl.UseProgram(program);
+  current_program = program;
+}
+
+void Renderer::Impl::Resize(int new_width, int new_height) {
+  if (new_width == width && new_height == height_px) return;
+  gl.BindFramebuffer(GL_FRAMEBUFFER, frame_buffer);
+  const std::tuple<GLuint, GLenum, GLenum> buffers[] = {
+      {color_buffer, GL_RGBA8, GL_COLOR_ATTACHMENT0},
+      {depth_buffer, GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT}};
+  for (const auto& [buffer, format, attachment] : buffers) {
+    gl.BindRenderbuffer(GL_RENDERBUFFER, buffer);
+    gl.RenderbufferStorage(GL_RENDERBUFFER, format, new_width, new_height);
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
+  }
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw RunError("OpenGL gives no frame buffer of " + std::to_string(new_width) + " x " +
+                   std::to_string(new_height) + " px");
+  }
+  width = new_width;
+  height_px = new_height;
+  rgba.create(height_px, width, CV_8UC4);
+  depth.create(height_px, width, CV_32FC1);
+}
+
+const MeshOnCard& Renderer::Impl::Mesh(const TriMesh& mesh) {
+  // Keyed by address, which a new mesh may have inherited from a dead one: hence the comparison.
+  const auto found = meshes.find(&mesh);
+  if (found != meshes.end()) {
+    MeshOnCard& entry = found->second;
+    if (entry.source.vertices == mesh.vertices && entry.source.triangles == mesh.triangles) {
+      return entry;
+    }
+  }
+  if (meshes.size() >= kMaxCachedMeshes || found != meshes.end()) {
+    for (auto& [key, entry] : meshes) {
+      gl.DeleteVertexArrays(1, &entry.vertex_array);
+      gl.DeleteBuffers(1, &entry.vertices);
+      gl.DeleteBuffers(1, &entry.indices);
+    }
+    meshes.clear();
+  }
+  MeshOnCard& entry = meshes[&mesh];
+  entry.source = mesh;
+  if (!mesh.vertices.empty()) entry.bounds = {mesh.vertices[0], mesh.vertices[0]};
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    entry.bounds.lo = entry.bounds.lo.cwiseMin(v);
+    entry.bounds.hi = entry.bounds.hi.cwiseMax(v);
+  }
+  const ShadedMesh shaded = WithNormals(mesh, kCrease_deg);
+  entry.index_count = static_cast<GLsizei>(3 * shaded.triangles.size());
+  gl.GenVertexArrays(1, &entry.vertex_array);
+  gl.GenBuffers(1, &entry.vertices);
+  gl.GenBuffers(1, &entry.indices);
+  gl.BindVertexArray(entry.vertex_array);
+  gl.BindBuffer(GL_ARRAY_BUFFER, entry.vertices);
+  gl.BufferData(GL_ARRAY_BUFFER, shaded.vertices.size() * sizeof(ShadedMesh::Vertex),
+                shaded.vertices.data(), GL_STATIC_DRAW);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, entry.indices);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, entry.index_count * sizeof(unsigned),
+                shaded.triangles.data(), GL_STATIC_DRAW);
+  gl.EnableVertexAttribArray(kPosition);
+  gl.VertexAttribPointer(kPosition, 3, GL_FLOAT, GL_FALSE, sizeof(ShadedMesh::Vertex), nullptr);
+  gl.EnableVertexAttribArray(kNormal);
+  gl.VertexAttribPointer(kNormal, 3, GL_FLOAT, GL_FALSE, sizeof(ShadedMesh::Vertex),
+                         reinterpret_cast<const void*>(offsetof(ShadedMesh::Vertex, normal)));
+  return entry;
+}
+
+void Renderer::Impl::UpdateCloth(const ClothItem& item) {
+  gl.BindVertexArray(cloth.vertex_array);
+  if (!cloth.surface || !cloth.surface->Fits(item)) {
+    cloth.surface.emplace(item, kClothLevels);
+    const ClothSurface& surface = *cloth.surface;
+    gl.BindBuffer(GL_ARRAY_BUFFER, cloth.uv_layer);
+    gl.BufferData(GL_ARRAY_BUFFER, surface.uv_layer().size() * sizeof(Eigen::Vector3f),
+                  surface.uv_layer().data(), GL_STATIC_DRAW);
+    gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, cloth.indices);
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, surface.triangles().size() * 3 * sizeof(unsigned),
+                  surface.triangles().data(), GL_STATIC_DRAW);
+    cloth.textured = false;
+  }
+  cloth.surface->Update(item);
+  const std::pair<GLuint, const std::vector<Eigen::Vector3f>*> arrays[] = {
+      {cloth.positions, &cloth.surface->positions()}, {cloth.normals, &cloth.surface->normals()}};
+  for (const auto& [buffer, values] : arrays) {
+    gl.BindBuffer(GL_ARRAY_BUFFER, buffer);
+    gl.BufferData(GL_ARRAY_BUFFER, values->size() * sizeof(Eigen::Vector3f), values->data(),
+                  GL_STREAM_DRAW);
+  }
+  UpdateClothTexture(item);
+}
+
+void Renderer::Impl::UpdateClothTexture(const ClothItem& item) {
+  if (cloth.textured && cloth.labels == item.labels && cloth.rgb == item.rgb &&
+      cloth.label_rgb == item.label_rgb) {
+    return;
+  }
+  Eigen::Vector3f most = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& uv_layer : cloth.surface->uv_layer()) most = most.cwiseMax(uv_layer);
+  cloth.extent_m = most.head<2>();
+  const int layers = static_cast<int>(most.z()) + 1;
+  const cv::Size size(kClothTexturePixels, kClothTexturePixels);
+  std::vector<uchar> texels;
+  for (int layer = 0; layer < layers; ++layer) {
+    const cv::Mat texture = ClothTexture(item, layer, cloth.extent_m, size);
+    texels.insert(texels.end(), texture.datastart, texture.dataend);
+  }
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D_ARRAY, cloth.texture);
+  gl.TexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGB8, size.width, size.height, layers, 0, GL_RGB,
+                GL_UNSIGNED_BYTE, texels.data());
+  gl.GenerateMipmap(GL_TEXTURE_2D_ARRAY);
+  gl.TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
+    gl.TexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_CLAMP_TO_EDGE);
+  }
+  cloth.labels = item.labels;
+  cloth.rgb = item.rgb;
+  cloth.label_rgb = item.label_rgb;
+  cloth.textured = true;
+}
+
+void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d& shear) {
+  const Eigen::Matrix4f clip_from_world = GroundFromWorld(shear);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, height_buffer);
+  gl.Viewport(0, 0, kGroundPixels, kGroundPixels);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.FrontFace(GL_CCW);
+  Use(height_program);
+  Set("clip_from_world", clip_from_world);
+  for (const RenderItem& item : scene.items) {
+    const MeshOnCard& mesh = Mesh(*item.mesh);
+    const Eigen::Isometry3f X_WM = item.X_WM.cast<float>();
+    const Bounds bounds = BoundsInWorld(mesh.bounds, X_WM);
+    // What reaches no higher than the table casts no shadow on it.
+    if (bounds.hi.z() <= 0.001f || !MayBeSeen(bounds, clip_from_world)) continue;
+    Set("X_WM", X_WM.matrix());
+    gl.BindVertexArray(mesh.vertex_array);
+    gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+  }
+  if (!scene.cloth.x.empty()) {
+    Set("X_WM", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    gl.BindVertexArray(cloth.vertex_array);
+    const auto indices = static_cast<GLsizei>(3 * cloth.surface->triangles().size());
+    gl.Disable(GL_CULL_FACE);  // either side may face the light
+    gl.DrawElements(GL_TRIANGLES, indices, GL_UNSIGNED_INT, nullptr);
+    gl.Enable(GL_CULL_FACE);
+  }
+  heights.create(kGroundPixels, kGroundPixels, CV_32FC1);
+  gl.ReadPixels(0, 0, kGroundPixels, kGroundPixels, GL_DEPTH_COMPONENT, GL_FLOAT, heights.data);
+  for (float& value : cv::Mat_<float>(heights)) {
+    value =
+        std::min((1 - value) * static_cast<float>(kHeightRange_m), static_cast<float>(kCaster_m));
+  }
+  cv::GaussianBlur(heights, heights, {9, 9}, kBlurTexels, kBlurTexels, cv::BORDER_REPLICATE);
+  cv::merge(std::array{heights, mottle}, ground);
+  gl.ActiveTexture(GL_TEXTURE1);
+  gl.BindTexture(GL_TEXTURE_2D, ground_texture);
+  gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kGroundPixels, kGroundPixels, GL_RG, GL_FLOAT,
+                   ground.data);
+}
+
+void Renderer::Impl::SetLight(const LightConfig& light, const Eigen::Vector2d& shear) {
+  Set("light", Eigen::Vector3f(TowardsLight(light).cast<float>()));
+  Set("darkest", static_cast<float>(1 - light.contrast));
+  Set("shadow", static_cast<float>(light.shadow));
+  Set("shear", Eigen::Vector2f(shear.cast<float>()));
+  Set("ground_half", static_cast<float>(kGroundHalf_m));
+  SetSampler("ground", 1);
+}
+
+void Renderer::Impl::DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world) {
+  gl.FrontFace(GL_CW);
+  Set("clip_from_world", clip_from_world);
+  for (const RenderItem& item : scene.items) {
+    const MeshOnCard& mesh = Mesh(*item.mesh);
+    const Eigen::Isometry3f X_WM = item.X_WM.cast<float>();
+    if (!MayBeSeen(BoundsInWorld(mesh.bounds, X_WM), clip_from_world)) continue;
+    Set("X_WM", X_WM.matrix());
+    Set("rgb", Eigen::Vector3f(item.rgb * static_cast<float>(scene.light.gain)));
+    Set("mottle", item.mottle);
+    gl.BindVertexArray(mesh.vertex_array);
+    gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+void Renderer::Impl::DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world) {
+  SetSampler("weave", 0);
+  Set("clip_from_world", clip_from_world);
+  Set("extent", cloth.extent_m);
+  Set("gain", static_cast<float>(scene.light.gain));
+  gl.BindVertexArray(cloth.vertex_array);
+  const auto indices = static_cast<GLsizei>(3 * cloth.surface->triangles().size());
+  // A shell: one side along the normals, one against them. Its rim, one thickness wide, is less
+  // than a pixel and stays open.
+  const float half = std::max(scene.cloth.thickness_m / 2, 1e-6f);  // its sign must survive
+  const std::pair<GLenum, float> sides[] = {{GL_CW, half}, {GL_CCW, -half}};
+  for (const auto& [front, offset] : sides) {
+    gl.FrontFace(front);
+    Set("offset", offset);
+    gl.DrawElements(GL_TRIANGLES, indices, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+RgbdFrame Renderer::Impl::ReadBack() {
+  gl.ReadPixels(0, 0, width, height_px, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
+  gl.ReadPixels(0, 0, width, height_px, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data);
+  RgbdFrame frame;
+  cv::cvtColor(rgba, frame.color, cv::COLOR_RGBA2BGR);
+  // 1/z is linear in the depth buffer's d; halves are added so that cutting to integer rounds.
+  constexpr auto kInverseNear = static_cast<float>(1 / (1000 * kNear_m));
+  constexpr auto kSlope = static_cast<float>(1 / (1000 * kNear_m) - 1 / (1000 * kFar_m));
+  frame.depth_mm.create(height_px, width, CV_16UC1);
+  for (int row = 0; row < height_px; ++row) {
+    const float* d = depth.ptr<float>(row);
+    auto* mm = frame.depth_mm.ptr<std::uint16_t>(row);
+    for (int column = 0; column < width; ++column) {
+      const int z = static_cast<int>(1 / (kInverseNear - kSlope * d[column]) + 0.5f);
+      mm[column] = static_cast<std::uint16_t>(d[column] < 1 ? z : 0);
+    }
+  }
+  return frame;
+}
+
+Renderer::Renderer() : impl_(std::make_unique<Impl>()) { impl_->context.Release(); }
+
+Renderer::~Renderer() = default;
+
+std::string Renderer::gl_renderer() const {
+  const Current current(impl_->context);
+  return reinterpret_cast<const char*>(impl_->gl.GetString(GL_RENDERER));
+}
+
+RgbdFrame Renderer::Render(const SceneView& scene, const CameraModel& camera) {
+  for (const RenderItem& item : scene.items) {
+    if (!item.X_WM.matrix().allFinite()) throw InputError("scene to draw: a pose is not finite");
+  }
+  Impl& impl = *impl_;
+  const GlFunctions& gl = impl.gl;
+  const Current current(impl.context);
+  impl.Resize(camera.pinhole.width, camera.pinhole.height);
+  const bool has_cloth = !scene.cloth.x.empty();
+  if (has_cloth) impl.UpdateCloth(scene.cloth);
+
+  const Eigen::Vector3d light = TowardsLight(scene.light);
+  const Eigen::Vector2d shear = light.head<2>() / light.z();
+  impl.DrawGroundMap(scene, shear);
+
+  const Eigen::Matrix4f clip_from_world = ClipFromWorld(camera);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, impl.frame_buffer);
+  gl.Viewport(0, 0, impl.width, impl.height_px);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (has_cloth) {  // first, so that the canvas under it is not shaded
+    impl.Use(impl.cloth_program);
+    impl.SetLight(scene.light, shear);
+    impl.DrawCloth(scene, clip_from_world);
+  }
+  impl.Use(impl.rigid_program);
+  impl.SetLight(scene.light, shear);
+  impl.DrawItems(scene, clip_from_world);
+  return impl.ReadBack();
+}
+
+CameraModel LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+                   const Pinhole& pinhole) {
+  const Eigen::Vector3d z = (target - eye).normalized();
+  const Eigen::Vector3d up =
+      z.head<2>().norm() < 1e-6 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  CameraModel camera;
+  camera.pinhole = pinhole;
+  camera.X_WC.linear().col(0) = z.cross(up).normalized();
+  camera.X_WC.linear().col(1) = z.cross(camera.X_WC.linear().col(0));
+  camera.X_WC.linear().col(2) = z;
+  camera.X_WC.translation() = eye;
+  return camera;
+}
+
+}  // namespace gusset

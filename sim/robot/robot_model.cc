@@ -1,0 +1,287 @@
+#include "sim/robot/robot_model.h"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <mutex>
+#include <sstream>
+
+#include "base/error.h"
+#include "sim/robot/mesh_file.h"
+
+namespace gusset {
+namespace {
+
+// urdfdom tells why it refuses a file only through console_bridge, which is global: its words are
+// caught here, and one file is parsed at a time.
+class ParserErrors : public console_bridge::OutputHandler {
+ public:
+  ParserErrors() : lock_(Mutex()) { console_bridge::useOutputHandler(this); }
+  ~ParserErrors() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
+    if (!text_.empty()) text_ += "; ";
+    for (const char c : text) text_ += c == '\n' ? ' ' : c;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  static std::mutex& Mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> lock_;
+  std::string text_;
+};
+
+// One element of one file, for messages.
+struct Place {
+  std::string file;
+  std::string element;
+  [[noreturn]] void Fail(const std::string& what) const {
+    throw InputError(file + ": " + element + ": " + what);
+  }
+  double Finite(double value, const char* key) const {
+    if (!std::isfinite(value)) Fail(std::string(key) + " is not finite");
+    return value;
+  }
+  double Positive(double value, const char* key) const {
+    if (!(Finite(value, key) > 0)) {
+      Fail(std::string(key) + " = " + std::to_string(value) + " is not above 0");
+    }
+    return value;
+  }
+  Eigen::Vector3d Vector(const urdf::Vector3& v, const char* key) const {
+    return {Finite(v.x, key), Finite(v.y, key), Finite(v.z, key)};
+  }
+  Eigen::Isometry3d Pose(const urdf::Pose& pose) const {
+    const urdf::Rotation& r = pose.rotation;
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.translation() = Vector(pose.position, "origin xyz");
+    const Eigen::Quaterniond rotation(Finite(r.w, "origin rpy"), Finite(r.x, "origin rpy"),
+                                      Finite(r.y, "origin rpy"), Finite(r.z, "origin rpy"));
+    X.linear() = rotation.normalized().toRotationMatrix();
+    return X;
+  }
+};
+
+std::filesystem::path ResolveMesh(const std::filesystem::path& urdf, const std::string& name,
+                                  const Place& place) {
+  constexpr std::string_view kPackage = "package://";
+  constexpr std::string_view kFile = "file://";
+  const std::filesystem::path folder = std::filesystem::absolute(urdf).parent_path();
+  if (name.starts_with(kFile)) return name.substr(kFile.size());
+  if (!name.starts_with(kPackage)) return folder / name;
+  const std::string rest = name.substr(kPackage.size());
+  const std::string package = rest.substr(0, rest.find('/'));
+  for (std::filesystem::path p = folder; p.has_relative_path(); p = p.parent_path()) {
+    if (p.filename() == package) return p.parent_path() / rest;
+  }
+  place.Fail(name + ": no folder called '" + package + "' holds the URDF");
+}
+
+std::vector<MeshPart> ReadMesh(const std::filesystem::path& urdf, const urdf::Mesh& mesh,
+                               const Place& place) {
+  std::vector<MeshPart> parts;
+  try {
+    parts = LoadMeshFile(ResolveMesh(urdf, mesh.filename, place));
+  } catch (const InputError& error) {
+    place.Fail(error.what());
+  }
+  const Eigen::Vector3f scale = place.Vector(mesh.scale, "mesh scale").cast<float>();
+  for (MeshPart& part : parts) {
+    for (Eigen::Vector3f& v : part.mesh.vertices) v = v.cwiseProduct(scale);
+  }
+  return parts;
+}
+
+void AppendVisual(const std::filesystem::path& urdf, const urdf::Visual& visual, const Place& place,
+                  RobotLink& link) {
+  if (visual.geometry == nullptr) place.Fail("visual without geometry");
+  if (visual.geometry->type != urdf::Geometry::MESH) return;  // drawn shapes are meshes
+  for (MeshPart& part : ReadMesh(urdf, static_cast<urdf::Mesh&>(*visual.geometry), place)) {
+    VisualMesh& out = link.visuals.emplace_back();
+    out.mesh = std::move(part.mesh);
+    out.X_LV = place.Pose(visual.origin);
+    if (visual.material != nullptr) {
+      const urdf::Color& c = visual.material->color;
+      out.colour = Eigen::Vector3f(c.r, c.g, c.b);
+    } else if (part.colour) {
+      out.colour = *part.colour;
+    }
+  }
+}
+
+CollisionShape ReadCollision(const std::filesystem::path& urdf, const urdf::Collision& collision,
+                             const Place& place) {
+  if (collision.geometry == nullptr) place.Fail("collision without geometry");
+  CollisionShape shape;
+  shape.name = collision.name;
+  shape.X_LS = place.Pose(collision.origin);
+  switch (collision.geometry->type) {
+    case urdf::Geometry::BOX: {
+      const urdf::Vector3& size = static_cast<urdf::Box&>(*collision.geometry).dim;
+      shape.size_m = {place.Positive(size.x, "box size"), place.Positive(size.y, "box size"),
+                      place.Positive(size.z, "box size")};
+      break;
+    }
+    case urdf::Geometry::SPHERE:
+      shape.kind = CollisionShape::Kind::kSphere;
+      shape.size_m.x() =
+          place.Positive(static_cast<urdf::Sphere&>(*collision.geometry).radius, "sphere radius");
+      break;
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<urdf::Cylinder&>(*collision.geometry);
+      shape.kind = CollisionShape::Kind::kCylinder;
+      shape.size_m = {place.Positive(cylinder.radius, "cylinder radius"), 0,
+                      place.Positive(cylinder.length, "cylinder length")};
+      break;
+    }
+    case urdf::Geometry::MESH: {
+      Eigen::AlignedBox3d box;
+      for (const MeshPart& part :
+           ReadMesh(urdf, static_cast<urdf::Mesh&>(*collision.geometry), place)) {
+        for (const Eigen::Vector3f& v : part.mesh.vertices) box.extend(v.cast<double>());
+      }
+      shape.size_m = box.sizes();
+      shape.X_LS.translate(box.center());
+      break;
+    }
+  }
+  return shape;
+}
+
+RobotLink ReadLink(const std::filesystem::path& urdf, const urdf::Link& source, bool with_visuals) {
+  const Place place{urdf.string(), "link '" + source.name + "'"};
+  RobotLink link;
+  link.name = source.name;
+  if (source.inertial != nullptr) {
+    const urdf::Inertial& inertial = *source.inertial;
+    const Eigen::Isometry3d X_LI = place.Pose(inertial.origin);
+    link.mass_kg = place.Finite(inertial.mass, "mass");
+    if (link.mass_kg < 0) place.Fail("mass = " + std::to_string(link.mass_kg) + " is below 0");
+    link.com_L = X_LI.translation();
+    Eigen::Matrix3d inertia;
+    inertia << inertial.ixx, inertial.ixy, inertial.ixz,  //
+        inertial.ixy, inertial.iyy, inertial.iyz,         //
+        inertial.ixz, inertial.iyz, inertial.izz;
+    if (!inertia.allFinite()) place.Fail("inertia is not finite");
+    if (inertia.selfadjointView<Eigen::Upper>().eigenvalues().minCoeff() < 0) {
+      place.Fail("inertia is not positive semidefinite");
+    }
+    link.inertia_L = X_LI.linear() * inertia * X_LI.linear().transpose();
+  }
+  if (with_visuals) {
+    for (const auto& visual : source.visual_array) AppendVisual(urdf, *visual, place, link);
+  }
+  for (const auto& collision : source.collision_array) {
+    link.collisions.push_back(ReadCollision(urdf, *collision, place));
+  }
+  return link;
+}
+
+RobotJoint ReadJoint(const std::filesystem::path& urdf, const urdf::Joint& source) {
+  const Place place{urdf.string(), "joint '" + source.name + "'"};
+  RobotJoint joint;
+  joint.name = source.name;
+  joint.X_PJ = place.Pose(source.parent_to_joint_origin_transform);
+  if (source.type == urdf::Joint::FIXED) return joint;
+  if (source.type != urdf::Joint::REVOLUTE && source.type != urdf::Joint::CONTINUOUS &&
+      source.type != urdf::Joint::PRISMATIC) {
+    place.Fail("type is none of fixed, revolute, continuous, prismatic");
+  }
+  joint.kind = source.type == urdf::Joint::PRISMATIC ? RobotJoint::Kind::kPrismatic
+                                                     : RobotJoint::Kind::kRevolute;
+  joint.axis_J = place.Vector(source.axis, "axis");
+  if (joint.axis_J.norm() < 1e-9) place.Fail("axis is zero");
+  joint.axis_J.normalize();
+  if (source.limits == nullptr) place.Fail("limit is missing");
+  joint.velocity = place.Positive(source.limits->velocity, "limit velocity");
+  joint.effort = place.Positive(source.limits->effort, "limit effort");
+  if (source.type == urdf::Joint::CONTINUOUS) {
+    joint.lower = -std::numeric_limits<double>::infinity();
+    joint.upper = std::numeric_limits<double>::infinity();
+    return joint;
+  }
+  joint.lower = place.Finite(source.limits->lower, "limit lower");
+  joint.upper = place.Finite(source.limits->upper, "limit upper");
+  if (!(joint.lower < joint.upper)) {
+    place.Fail("limit lower = " + std::to_string(joint.lower) +
+               " is not below upper = " + std::to_string(joint.upper));
+  }
+  return joint;
+}
+
+}  // namespace
+
+double CollisionShape::Distance(const Eigen::Vector3d& p_L) const {
+  const Eigen::Vector3d p_S = X_LS.inverse() * p_L;
+  if (kind == Kind::kSphere) return p_S.norm() - size_m.x();
+  // Signed distance outwards along each direction in which the shape ends.
+  Eigen::Vector3d d = p_S.cwiseAbs() - 0.5 * size_m;
+  if (kind == Kind::kCylinder) {
+    d = {std::hypot(p_S.x(), p_S.y()) - size_m.x(), -std::numeric_limits<double>::infinity(),
+         d.z()};
+  }
+  return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
+}
+
+Eigen::Isometry3d RobotJoint::Transform(double q) const {
+  if (kind == Kind::kFixed) return X_PJ;
+  Eigen::Isometry3d X = X_PJ;
+  if (kind == Kind::kPrismatic) {
+    X.translation() += X_PJ.linear() * (q * axis_J);
+  } else {
+    X.linear() *= Eigen::AngleAxisd(q, axis_J).toRotationMatrix();
+  }
+  return X;
+}
+
+RobotModel RobotModel::Load(const std::filesystem::path& urdf, bool with_visuals) {
+  std::ifstream stream(urdf);
+  std::ostringstream xml;
+  if (!stream || !(xml << stream.rdbuf())) {
+    throw InputError(urdf.string() + ": cannot be read");
+  }
+  urdf::ModelInterfaceSharedPtr tree;
+  {
+    ParserErrors errors;
+    tree = urdf::parseURDF(xml.str());
+    if (tree == nullptr || !errors.text().empty()) {
+      throw InputError(urdf.string() + ": not a valid URDF: " + errors.text());
+    }
+  }
+  RobotModel model;
+  model.file_ = urdf.string();
+  const auto append = [&](const auto& self, const urdf::Link& link, int parent) -> void {
+    const int index = static_cast<int>(model.links_.size());
+    model.links_.push_back(ReadLink(urdf, link, with_visuals));
+    if (link.parent_joint != nullptr) {
+      RobotJoint& joint = model.joints_.emplace_back(ReadJoint(urdf, *link.parent_joint));
+      joint.parent = parent;
+      joint.child = index;
+    }
+    for (const auto& child : link.child_links) self(self, *child, index);
+  };
+  append(append, *tree->getRoot(), -1);
+  return model;
+}
+
+std::optional<int> RobotModel::FindLink(std::string_view name) const {
+  const auto it = std::ranges::find(links_, name, &RobotLink::name);
+  if (it == links_.end()) return std::nullopt;
+  return static_cast<int>(it - links_.begin());
+}
+
+std::optional<int> RobotModel::FindJoint(std::string_view name) const {
+  const auto it = std::ranges::find(joints_, name, &RobotJoint::name);
+  if (it == joints_.end()) return std::nullopt;
+  return static_cast<int>(it - joints_.begin());
+}
+
+}  // namespace gusset

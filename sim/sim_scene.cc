@@ -1,0 +1,199 @@
+#include "sim/sim_scene.h"
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace gusset {
+
+void SimConfig::Read(ConfigTree& tree) {
+  tree.Read("bag", bag);
+  tree.Read("solver", solver);
+  tree.Read("world", world);
+  tree.Read("robot", robot);
+  tree.Read("camera", camera);
+  tree.Read("sensor", sensor);
+  tree.Read("light", light);
+  tree.Read("starts", starts);
+  if (starts.folded_area_min_px >= starts.folded_area_max_px) {
+    throw InputError("starts.folded_area_min_px = " + std::to_string(starts.folded_area_min_px) +
+                     " is not below starts.folded_area_max_px = " +
+                     std::to_string(starts.folded_area_max_px));
+  }
+}
+
+void SimConfig::AppendTo(std::string& out) const {
+  AppendToml("bag", bag, out);
+  AppendToml("solver", solver, out);
+  AppendToml("world", world, out);
+  AppendToml("robot", robot, out);
+  AppendToml("camera", camera, out);
+  AppendToml("sensor", sensor, out);
+  AppendToml("light", light, out);
+  AppendToml("starts", starts, out);
+}
+
+/// Where the arm moves: the present world, whichever that is.
+class SimScene::Slot : public ArmEnvironment {
+ public:
+  explicit Slot(std::unique_ptr<World>& world) : world_(world) {}
+
+  double step_s() const override { return world_->step_s(); }
+  void Step(const std::vector<Eigen::Isometry3d>& X_WL, double opening_m, bool at_rest) override {
+    world_->Step(X_WL, opening_m, at_rest);
+    if (!callback || world_->time_s() < next_s) return;
+    next_s = world_->time_s() + period_s;
+    callback();
+  }
+  Eigen::Vector3d ForceOnTool() const override { return world_->ForceOnTool(); }
+  double PadForce() const override { return world_->PadForce(); }
+  bool PadsBlocked() const override { return world_->PadsBlocked(); }
+  void BeginHold(double force_N) override { world_->BeginHold(force_N); }
+  void EndHold() override { world_->EndHold(); }
+
+  std::function<void()> callback;
+  double period_s = 0;
+  double next_s = 0;
+
+ private:
+  std::unique_ptr<World>& world_;
+};
+
+SimScene::SimScene(const SimConfig& config)
+    : config_(config),
+      camera_(OverheadCamera({config.camera.fx, config.camera.fy, config.camera.cx,
+                              config.camera.cy, 640, 480},
+                             config.camera.height_m)),
+      arm_(ArmModel::Load(config.robot, AssetsFolder())),
+      labels_(MakeLabels(config.bag)),
+      cube_mesh_(BoxMesh(Eigen::Vector3d::Constant(config.world.cube_side_m))),
+      camera_noise_(0) {
+  AppendToml("bag", config_.bag, start_key_);
+  AppendToml("solver", config_.solver, start_key_);
+  AppendToml("camera", config_.camera, start_key_);
+  AppendToml("starts", config_.starts, start_key_);
+  world_ = std::make_unique<World>(config_.bag, config_.solver, config_.world, arm_);
+  slot_ = std::make_unique<Slot>(world_);
+  robot_ = std::make_unique<SimRobot>(arm_, *slot_, 0);
+  world_->PlaceArm(robot_->X_WL(), robot_->opening_m());
+}
+
+SimScene::~SimScene() = default;
+
+RobotPort& SimScene::robot() { return *robot_; }
+
+double SimScene::time_s() const { return world_->time_s(); }
+
+Start SimScene::MakeStart(StartKind kind, std::uint64_t seed) const {
+  const bool folded = kind == StartKind::kFolded || kind == StartKind::kFoldedAnyPose;
+  const bool any = kind == StartKind::kFoldedAnyPose || kind == StartKind::kUnfoldedAnyPose;
+  const std::string key = start_key_ + "start = [" + std::to_string(folded) + ", " +
+                          std::to_string(any) + ", " + std::to_string(seed) + "]";
+  // Kept as a snapshot of a world that holds nothing else of interest.
+  WorldState state;
+  SimRobotState robot;
+  robot.q = arm_.waiting();
+  if (const std::optional<std::string> kept = cache_.Find(key)) {
+    UnpackSnapshot(*kept, state, robot);
+    Start start;
+    start.cloth = state.cloth;
+    start.kind = static_cast<FoldKind>(static_cast<int>(state.time_s));
+    start.attempts = static_cast<int>(state.rest_s);
+    start.area_px = static_cast<int>(state.held_clear_s);
+    return start;
+  }
+  Start start = folded ? MakeFoldedStart(config_.bag, config_.solver, config_.starts, camera_, any,
+                                         seed)
+                       : MakeUnfoldedStart(config_.bag, config_.solver, config_.starts, camera_,
+                                           any, seed);
+  state.cloth = start.cloth;
+  state.time_s = static_cast<int>(start.kind);
+  state.rest_s = start.attempts;
+  state.held_clear_s = start.area_px;
+  cache_.Keep(key, PackSnapshot(state, robot));
+  return start;
+}
+
+void SimScene::Reset(StartKind kind, std::uint64_t seed) {
+  WorldState state;
+  state.cloth = MakeStart(kind, seed).cloth;
+  state.cube.X_WB.translation() << config_.world.cube_wait_m[0], config_.world.cube_wait_m[1],
+      0.5 * config_.world.cube_side_m;
+  SimRobotState robot;
+  robot.q = arm_.waiting();
+  robot.opening_m = arm_.max_opening_m();
+  Rebuild(state, robot);
+}
+
+void SimScene::Rebuild(const WorldState& state, const SimRobotState& robot) {
+  world_ = std::make_unique<World>(config_.bag, config_.solver, config_.world, arm_);
+  world_->SetState(state);
+  robot_->Restore(robot);
+  world_->PlaceArm(robot_->X_WL(), robot_->opening_m());
+  slot_->next_s = 0;
+}
+
+Snapshot SimScene::Save() { return PackSnapshot(world_->state(), robot_->Save()); }
+
+void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
+  WorldState state;
+  SimRobotState robot;
+  UnpackSnapshot(snapshot, state, robot);
+  if (state.cloth.x.size() != world_->cloth().state().x.size()) {
+    throw InputError("snapshot is of a bag with " + std::to_string(state.cloth.x.size()) +
+                     " nodes, this bag has " +
+                     std::to_string(world_->cloth().state().x.size()));
+  }
+  Rebuild(state, robot);
+  robot_->SeedSensors(DeriveSeed(sensor_seed, "torque"));
+  camera_noise_ = Rng(DeriveSeed(sensor_seed, "camera"));
+}
+
+RgbdFrame SimScene::Look(const CameraModel& camera) {
+  SceneView view;
+  view.items = statics_.items();
+  view.light = config_.light;
+  const std::vector<RobotLink>& links = arm_.robot().links();
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    for (const VisualMesh& visual : links[l].visuals) {
+      RenderItem item;
+      item.mesh = &visual.mesh;
+      item.X_WM = robot_->X_WL()[l] * visual.X_LV;
+      item.rgb = visual.colour;
+      view.items.push_back(item);
+    }
+  }
+  RenderItem cube;
+  cube.mesh = &cube_mesh_;
+  cube.X_WM = world_->cube().X_WB;
+  cube.rgb = kCubeRgb;
+  view.items.push_back(cube);
+
+  const ClothMesh& mesh = world_->cloth().mesh();
+  view.cloth.x = world_->cloth().state().x;
+  view.cloth.triangles = mesh.triangles;
+  view.cloth.triangle_layer = mesh.triangle_layer;
+  view.cloth.uv = mesh.uv;
+  view.cloth.thickness_m = mesh.thickness_m;
+  for (int k = 0; k < 3; ++k) {
+    view.cloth.rgb[k] = static_cast<float>(config_.bag.colour_rgb[static_cast<std::size_t>(k)]);
+  }
+  for (const BagLabel& l : labels_) {
+    view.cloth.labels.push_back({l.u0, l.u1, l.v0, l.v1, l.layer});
+  }
+  return renderer_.Render(view, camera);
+}
+
+RgbdFrame SimScene::Look() {
+  RgbdFrame frame = Look(camera_);
+  AddSensorNoise(frame, config_.sensor, camera_noise_);
+  return frame;
+}
+
+void SimScene::Watch(double period_s, std::function<void()> callback) {
+  slot_->callback = std::move(callback);
+  slot_->period_s = period_s;
+  slot_->next_s = world_->time_s();
+}
+
+}  // namespace gusset

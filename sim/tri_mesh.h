@@ -1,0 +1,16 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace gusset {
+
+/// Triangles, counter-clockwise seen from outside, metres.
+struct TriMesh {
+  std::vector<Eigen::Vector3f> vertices;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+}  // namespace gusset

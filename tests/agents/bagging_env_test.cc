@@ -1,0 +1,223 @@
+#include "agents/bagging_env.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "tests/agents/fake_rig.h"
+#include "tests/agents/table_world.h"
+
+namespace gusset {
+namespace {
+
+using Move = FakeRig::Move;
+
+class BaggingEnvTest : public FolderTest {
+ protected:
+  // Begins in `state` and performs `action`, after which the world is in `next`.
+  Outcome Act(int state, int action, int next) {
+    rig_.next = next;
+    const Percept percept = env_.Begin(std::to_string(state), 5);
+    EXPECT_EQ(percept.state, state);
+    return env_.Act(action);
+  }
+  // Tool positions of all motions but the last, which goes to the waiting pose.
+  std::vector<Eigen::Vector3d> Path() const {
+    std::vector<Eigen::Vector3d> path;
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kTo || move.kind == Move::kUntilContact) {
+        path.push_back(move.X_WT.translation());
+      }
+    }
+    return path;
+  }
+
+  FakeRig rig_;
+  BaggingConfig config_;
+  BaggingEnv env_{rig_, rig_, rig_, rig_, config_};
+};
+
+TEST_F(BaggingEnvTest, EveryStateAffordsItsOwnPairOnly) {
+  EXPECT_THAT(env_.ActionCounts(), testing::ElementsAre(81, 81, 9, 81));
+}
+
+TEST_F(BaggingEnvTest, StatesOfTheDrawingsAreSeenAndEndEpisodesOnlyWhenTheyShould) {
+  for (int next = 0; next <= 5; ++next) {
+    const Outcome outcome = Act(3, 40, next);
+    EXPECT_EQ(outcome.next.state, next);
+    EXPECT_EQ(outcome.done, next >= 4);
+    EXPECT_EQ(outcome.success, next == 4);
+    EXPECT_FALSE(outcome.log["lost"]);
+    EXPECT_EQ(outcome.reward, next == 4 ? 1 : -0.1);
+  }
+}
+
+TEST_F(BaggingEnvTest, ABagThatLeavesOtherwiseIsLost) {
+  const Outcome outcome = Act(1, 0, 4);
+  EXPECT_TRUE(outcome.done);
+  EXPECT_FALSE(outcome.success);
+  EXPECT_TRUE(outcome.log["lost"]);
+  rig_.truth.held_clear_s = 5;
+  EXPECT_FALSE(Act(1, 0, 4).true_success);
+}
+
+TEST_F(BaggingEnvTest, TrueSuccessNeedsOneSecondHeldClear) {
+  rig_.truth.held_clear_s = 0.99;
+  EXPECT_FALSE(Act(3, 0, 4).true_success);
+  rig_.truth.held_clear_s = 1;
+  EXPECT_TRUE(Act(3, 0, 4).true_success);
+}
+
+TEST_F(BaggingEnvTest, TheRefereeChangesNothingThatTheAgentIsGiven) {
+  const Outcome honest = Act(1, 13, 2);
+  rig_.truth = {.layers_held = 2,
+                .bag_held = true,
+                .cube_in_bag = true,
+                .bag_area_px2 = 1,
+                .opening_area_px2 = 1,
+                .state = 5};
+  const Outcome cheated = Act(1, 13, 2);
+  EXPECT_EQ(honest.reward, cheated.reward);
+  EXPECT_EQ(honest.next.state, cheated.next.state);
+  EXPECT_EQ(honest.next.features, cheated.next.features);
+  EXPECT_EQ(cheated.log["layers_held"], 2) << "the log is told";
+}
+
+TEST_F(BaggingEnvTest, GraspLiftReleasesAtTheHeightOfItsParameter) {
+  for (int k = 0; k < 9; ++k) {
+    (void)Act(0, 4 * 9 + k, 1);
+    // The last opening of the fingers is the release.
+    Eigen::Vector3d released = Eigen::Vector3d::Zero();
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kFingers && move.value == 0.085) released = move.X_WT.translation();
+    }
+    EXPECT_NEAR(released.z(), 0.02 + 0.03 * k, 1e-12);
+    EXPECT_LE(std::abs(released.y()), 0.08);
+  }
+}
+
+TEST_F(BaggingEnvTest, GraspLiftStaysWithinTheLiftColumnAndTheHeightOverTheCentre) {
+  (void)Act(0, 0, 1);
+  const Eigen::Vector3d grasp = env_.before().grasp_points[0].p_W;
+  const std::vector<Eigen::Vector3d> path = Path();
+  EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12) << "begins above its point";
+  for (const Eigen::Vector3d& p : path) EXPECT_LE(p.z(), 0.36);
+}
+
+TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointToTheTarget) {
+  rig_.contact_height_m = 0.003;
+  (void)Act(1, 2 * 9 + 7, 2);
+  const Eigen::Vector3d grasp = env_.before().grasp_points[2].p_W;
+  const Eigen::Vector3d target = env_.before().place_points[7].p_W;
+  const std::vector<Eigen::Vector3d> path = Path();
+  EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12);
+  EXPECT_NEAR((path.back() - target).head<2>().norm(), 0, 1e-12);
+  // It sinks sink_m below the touch, no more, before the fingers close.
+  double lowest = 1;
+  for (const Eigen::Vector3d& p : path) lowest = std::min(lowest, p.z());
+  EXPECT_NEAR(lowest, 0.003 - config_.scratch_drag.sink_m, 1e-12);
+  // The fingers close along the rim.
+  const Eigen::Vector3d closing = rig_.moves[1].X_WT.linear().col(0);
+  EXPECT_NEAR(std::abs(closing.dot(env_.before().rim->along_W)), 1, 1e-9);
+}
+
+TEST_F(BaggingEnvTest, PickPlaceTakesTheCubeWhereItIsSeenToThePlacePoint) {
+  (void)Act(2, 5, 3);
+  const std::vector<Eigen::Vector3d> path = Path();
+  EXPECT_NEAR((path.front() - env_.before().cube->p_W).head<2>().norm(), 0, 1e-12);
+  EXPECT_NEAR((path.back() - env_.before().place_points[5].p_W).head<2>().norm(), 0, 1e-12);
+}
+
+TEST_F(BaggingEnvTest, NothingBetweenTheFingersIsNotCarried) {
+  rig_.cube_between_fingers = false;
+  const Outcome outcome = Act(2, 5, 2);
+  EXPECT_EQ(outcome.log["note"], "pick: nothing between the fingers");
+  for (const Eigen::Vector3d& p : Path()) {
+    EXPECT_NEAR((p - env_.before().cube->p_W).head<2>().norm(), 0, 1e-12);
+  }
+}
+
+TEST_F(BaggingEnvTest, CloseCarryKeepsHoldOfTheBag) {
+  (void)Act(3, 40, 4);
+  double fingers = 1;
+  for (const Move& move : rig_.moves) {
+    if (move.kind == Move::kFingers) fingers = move.value;
+  }
+  EXPECT_EQ(fingers, 0);
+  EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
+}
+
+TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionOpensTheGripperAndLeavesTheView) {
+  const std::vector<int> states = {0, 1, 2, 3};
+  for (const int state : states) {
+    for (const MoveEnd refusal : {MoveEnd::kUnreachable, MoveEnd::kProtectiveStop}) {
+      rig_.refusal = refusal;
+      for (rig_.refuse_at = 0; rig_.refuse_at < 3; ++rig_.refuse_at) {
+        const Outcome outcome = Act(state, 0, state);
+        EXPECT_NE(outcome.log["note"], "");
+        EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
+        EXPECT_EQ(rig_.moves[rig_.moves.size() - 2].value, 0.085);
+        EXPECT_EQ(outcome.next.state, state);
+      }
+    }
+  }
+}
+
+TEST_F(BaggingEnvTest, AnArmThatCannotLeaveTheViewLetsGoAndTriesAgain) {
+  (void)Act(3, 0, 4);
+  // The waiting pose is the last motion; refuse it.
+  int motions = 0;
+  for (const Move& move : rig_.moves) motions += move.kind != Move::kFingers;
+  rig_.refuse_at = motions - 1;
+  const Outcome outcome = Act(3, 0, 4);
+  EXPECT_THAT(outcome.log["note"].get<std::string>(), testing::HasSubstr("second try: reached"));
+}
+
+TEST_F(BaggingEnvTest, StartsAndRestoresThroughTheScene) {
+  EXPECT_EQ(env_.Begin(env_.Start(StartKind::kFolded, 1), 9).state, 0);
+  EXPECT_EQ(rig_.sensor_seed, 9u);
+  EXPECT_EQ(env_.Begin(env_.Start(StartKind::kUnfolded, 1), 10).state, 1);
+}
+
+TEST_F(BaggingEnvTest, FramesAreWrittenBeforeAndAfter) {
+  (void)Act(0, 0, 1);
+  env_.WriteFrames(dir_ / "step0");
+  for (const char* name : {"_before", "_before_overlay", "_after", "_after_overlay"}) {
+    EXPECT_TRUE(std::filesystem::exists(dir_ / ("step0" + std::string(name) + ".png"))) << name;
+  }
+  EXPECT_THROW(env_.WriteFrames(dir_ / "no" / "folder"), InputError);
+}
+
+TEST(BaggingConfig, WhatIsWrittenReadsBack) {
+  ConfigTree tree;
+  tree.Parse("[thresholds]\nA_oth = 701\n[thresholds_published]\nA_oth = 150\n", "bag.toml");
+  tree.Set("thresholds.source=published");
+  tree.Set("primitives.grasp_lift.hang_s=1.5");
+  BaggingConfig config;
+  config.Read(tree);
+  EXPECT_NO_THROW(tree.RefuseUnknown());
+  EXPECT_EQ(config.chosen_thresholds().A_oth, 150);
+  std::string text;
+  config.AppendTo(text);
+  ConfigTree again;
+  again.Parse(text, "config.toml");
+  BaggingConfig back;
+  back.Read(again);
+  EXPECT_NO_THROW(again.RefuseUnknown());
+  EXPECT_EQ(back.chosen_thresholds().A_oth, 150);
+  EXPECT_EQ(back.thresholds.gusset.A_oth, 701);
+  EXPECT_EQ(back.grasp_lift.hang_s, 1.5);
+  std::string text_again;
+  back.AppendTo(text_again);
+  EXPECT_EQ(text, text_again);
+}
+
+TEST(BaggingConfig, PublishedThresholdsMustExist) {
+  ConfigTree tree;
+  tree.Set("thresholds.source=published");
+  BaggingConfig config;
+  EXPECT_THROW(config.Read(tree), InputError);
+}
+
+}  // namespace
+}  // namespace gusset

@@ -1,0 +1,260 @@
+#include "agents/trainer.h"
+
+#include <gmock/gmock.h>
+
+#include <map>
+#include <sstream>
+
+#include "agents/pi_learning.h"
+#include "agents/random_agent.h"
+#include "base/files.h"
+#include "tests/agents/table_world.h"
+
+namespace gusset {
+namespace {
+
+using nlohmann::json;
+
+PiLearning NewAgent(const TrainConfig& config) {
+  return PiLearning({.steps_per_state = config.steps}, TableWorld().ActionCounts());
+}
+
+std::vector<json> Steps(const RunFolder& folder) {
+  std::vector<json> steps;
+  std::istringstream lines(ReadFile(folder.steps()));
+  for (std::string line; std::getline(lines, line);) steps.push_back(json::parse(line));
+  return steps;
+}
+
+// The log without wall times, the only thing in it that may differ.
+std::string StepsWithoutClocks(const RunFolder& folder) {
+  std::string text;
+  for (json step : Steps(folder)) {
+    step.erase("wall_s");
+    text += step.dump() + "\n";
+  }
+  return text;
+}
+
+class TrainerTest : public FolderTest {
+ protected:
+  RunFolder NewFolder(const std::string& name) {
+    return RunFolder::Create(dir_ / name, "", nlohmann::ordered_json::object());
+  }
+  // @returns the error that ended the run; "" if it ended well.
+  std::string Run(
+      const RunFolder& folder, const TrainConfig& config, int jobs = 1, int crash_at = -1,
+      const std::function<bool()>& stop = [] { return false; }) {
+    Workers workers(jobs, [&] { return std::make_unique<TableWorld>(crash_at); });
+    PiLearning agent = NewAgent(config);
+    try {
+      summary_ = Train(workers, agent, config, folder, {{"bag", "none"}}, stop);
+    } catch (const RunError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  TrainSummary summary_;
+};
+
+TEST_F(TrainerTest, EveryStateGetsItsStepsInOrder) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.steps = 30}), "");
+  std::vector<int> order;
+  std::map<int, int> count;
+  int extra = 0;
+  for (const json& step : Steps(folder)) {
+    if (step["kind"] == "extra") {
+      ++extra;
+      EXPECT_FALSE(step["explored"]);
+      continue;
+    }
+    order.push_back(step["state"]);
+    ++count[step["state"]];
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(order));
+  EXPECT_THAT(count, testing::ElementsAre(testing::Pair(0, 30), testing::Pair(1, 30),
+                                          testing::Pair(2, 30), testing::Pair(3, 30)));
+  EXPECT_EQ(summary_.extra_actions, extra);
+  EXPECT_EQ(summary_.actions, 120 + extra);
+  EXPECT_DOUBLE_EQ(summary_.sim_s, 10.0 * summary_.actions);
+}
+
+TEST_F(TrainerTest, StepsStartWhereAnEarlierStepWasSeenToLeaveTheBag) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.steps = 30}), "");
+  const std::vector<json> steps = Steps(folder);
+  for (const json& step : steps) {
+    if (step["state"] == 0) {
+      EXPECT_EQ(step["from"]["start"], "folded");
+    } else {
+      const std::size_t id = step["from"]["step"];
+      EXPECT_EQ(steps[id]["next_state"], step["state"]);
+      EXPECT_LT(id, step["step"]);
+    }
+  }
+}
+
+TEST_F(TrainerTest, APoolTooSmallIsFilledByTheGreedyPolicy) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.steps = 5, .pool_min = 20}), "");
+  EXPECT_GT(summary_.extra_actions, 30);
+  std::map<int, int> seen;
+  bool third_began = false;
+  for (const json& step : Steps(folder)) {
+    third_began = third_began || (step["state"] == 2 && step["kind"] == "train");
+    if (!third_began && !step["done"]) ++seen[step["next_state"]];
+  }
+  EXPECT_EQ(seen[2], 20);
+}
+
+TEST_F(TrainerTest, ARunThatNeverReachesAStateIsGivenUpWithAReason) {
+  const RunFolder folder = NewFolder("run");
+  const std::string error = Run(folder, {.steps = 1, .seed = 3, .max_extra_actions = 0});
+  EXPECT_THAT(error, testing::HasSubstr("no bag has reached s"));
+}
+
+TEST_F(TrainerTest, LearnsTheBestActions) {
+  const RunFolder folder = NewFolder("run");
+  const TrainConfig config{.steps = 100};
+  ASSERT_EQ(Run(folder, config), "");
+  PiLearning agent = NewAgent(config);
+  LoadPolicy(folder.policy(), agent);
+  for (int s = 0; s < 4; ++s) EXPECT_EQ(agent.best(s), s == 2 ? 2 : s + 1) << s;
+}
+
+TEST_F(TrainerTest, TheSameSeedGivesTheSameBitsWhateverTheNumberOfWorkers) {
+  const TrainConfig config{.steps = 25, .seed = 5};
+  const RunFolder one = NewFolder("one");
+  ASSERT_EQ(Run(one, config), "");
+  for (const int jobs : {1, 2, 3, 7}) {
+    const RunFolder other = NewFolder("other" + std::to_string(jobs));
+    ASSERT_EQ(Run(other, config, jobs), "");
+    EXPECT_EQ(ReadFile(one.policy()), ReadFile(other.policy())) << jobs;
+    EXPECT_EQ(StepsWithoutClocks(one), StepsWithoutClocks(other)) << jobs;
+  }
+  const RunFolder different = NewFolder("different");
+  ASSERT_EQ(Run(different, {.steps = 25, .seed = 6}), "");
+  EXPECT_NE(ReadFile(one.policy()), ReadFile(different.policy()));
+}
+
+class TrainerResume : public TrainerTest, public testing::WithParamInterface<std::string> {};
+
+// Killed again and again, each time at another action, and with what a kill can leave behind: lines
+// that no checkpoint knows of, half a line, half a file.
+TEST_P(TrainerResume, AKilledRunEndsLikeAnUnbrokenOne) {
+  const TrainConfig config{.protocol = GetParam(), .steps = 20, .seed = 9};
+  const RunFolder unbroken = NewFolder("unbroken");
+  ASSERT_EQ(Run(unbroken, config), "");
+
+  const RunFolder killed = NewFolder("killed");
+  int runs = 0;
+  for (int lives = 1; !Run(killed, config, 1 + lives % 2, lives).empty(); lives += 3) {
+    std::ofstream(killed.steps(), std::ios::app) << "{\"step\":999}\n{\"ste";
+    std::ofstream(killed.root() / "checkpoint" / "state.json.tmp") << "{\"pro";
+    ASSERT_LT(++runs, 1000);
+  }
+  EXPECT_GT(runs, 5);
+  EXPECT_EQ(ReadFile(unbroken.policy()), ReadFile(killed.policy()));
+  EXPECT_EQ(StepsWithoutClocks(unbroken), StepsWithoutClocks(killed));
+}
+INSTANTIATE_TEST_SUITE_P(Protocols, TrainerResume, testing::Values("pools", "chain"));
+
+TEST_F(TrainerTest, AFinishedRunResumedStaysTheSame) {
+  const TrainConfig config{.steps = 5};
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, config), "");
+  const std::string policy = ReadFile(folder.policy());
+  const std::string steps = ReadFile(folder.steps());
+  ASSERT_EQ(Run(RunFolder::Open(folder.root()), config), "");
+  EXPECT_EQ(ReadFile(folder.policy()), policy);
+  EXPECT_EQ(ReadFile(folder.steps()), steps);
+}
+
+TEST_F(TrainerTest, AStopEndsBetweenActionsWithAWordOnHowToGoOn) {
+  const RunFolder folder = NewFolder("run");
+  int asked = 0;
+  const std::string error = Run(folder, {.steps = 20}, 1, -1, [&] { return ++asked > 10; });
+  EXPECT_THAT(error, testing::AllOf(testing::HasSubstr("--resume"),
+                                    testing::Not(testing::HasSubstr("\n"))));
+  EXPECT_FALSE(std::filesystem::exists(folder.policy()));
+  EXPECT_TRUE(std::filesystem::exists(folder.root() / "checkpoint" / "state.json"));
+}
+
+TEST_F(TrainerTest, AFailedActionLeavesWhatIsNeededToSeeItAgain) {
+  const RunFolder folder = NewFolder("run");
+  const std::string error = Run(folder, {.steps = 20}, 1, 7);
+  EXPECT_THAT(error, testing::HasSubstr("the world came apart"));
+  EXPECT_THAT(error, testing::HasSubstr("--step 7"));
+  const json failed = ReadJson(folder.root() / "failed_step.json");
+  EXPECT_EQ(failed["step"], 7);
+  EXPECT_TRUE(failed["from"].contains("seed"));
+}
+
+TEST_F(TrainerTest, ChainLearnsInEveryStateAndIsGreedyWhereItIsFull) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.protocol = "chain", .steps = 10}), "");
+  std::map<int, int> count;
+  const std::vector<json> steps = Steps(folder);
+  for (const json& step : steps) {
+    if (step["kind"] == "train") {
+      ++count[step["state"]];
+    } else {
+      EXPECT_EQ(count[step["state"]], 10);
+      EXPECT_FALSE(step["explored"]);
+    }
+    if (step["from"].contains("step")) {
+      EXPECT_EQ(step["from"]["step"], static_cast<int>(step["step"]) - 1);
+    }
+  }
+  for (int s = 0; s < 4; ++s) EXPECT_EQ(count[s], 10);
+}
+
+TEST_F(TrainerTest, FramesAreKeptOnlyForWhatWasAskedFor) {
+  const auto frames = [](const RunFolder& folder) {
+    return std::distance(std::filesystem::directory_iterator(folder.frames()), {});
+  };
+  const RunFolder all = NewFolder("all");
+  ASSERT_EQ(Run(all, {.steps = 5, .dump = "all"}, 2), "");
+  EXPECT_EQ(frames(all), summary_.actions);
+  const RunFolder failures = NewFolder("failures");
+  ASSERT_EQ(Run(failures, {.steps = 5, .dump = "failures"}, 2), "");
+  EXPECT_GT(frames(failures), 0);
+  EXPECT_LT(frames(failures), summary_.actions);
+  const RunFolder none = NewFolder("none");
+  ASSERT_EQ(Run(none, {.steps = 5}, 2), "");
+  EXPECT_EQ(frames(none), 0);
+}
+
+TEST_F(TrainerTest, AFolderThatHoldsARunIsNotOverwritten) {
+  const RunFolder folder = NewFolder("run");
+  EXPECT_THROW(NewFolder("run"), InputError);
+  EXPECT_THROW((void)RunFolder::Open(dir_ / "nothing"), InputError);
+}
+
+TEST_F(TrainerTest, ABrokenCheckpointIsRefusedInOneLine) {
+  const TrainConfig config{.steps = 5};
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, config), "");
+  for (const char* broken : {"", "{", "[]", "{\"progress\":{},\"agent\":{}}", "null"}) {
+    WriteFileAtomic(folder.root() / "checkpoint" / "state.json", broken);
+    try {
+      Run(folder, config);
+      ADD_FAILURE() << broken;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), testing::HasSubstr("state.json: "));
+      EXPECT_THAT(e.what(), testing::Not(testing::HasSubstr("\n")));
+    }
+  }
+}
+
+TEST_F(TrainerTest, TheCurveFileHasOneLinePerAction) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.steps = 5}), "");
+  const std::string text = ReadFile(folder.progress());
+  EXPECT_EQ(std::ranges::count(text, '\n'), summary_.actions + 1);
+  EXPECT_THAT(text, testing::StartsWith("global_step,state,"));
+}
+
+}  // namespace
+}  // namespace gusset

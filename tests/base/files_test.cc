@@ -1,0 +1,119 @@
+#include "base/files.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "base/error.h"
+
+namespace gusset {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "gusset_files_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    dir_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+  fs::path dir_;
+};
+
+// As a full disk does, a file size limit lets a write fall short and the next one fail.
+class DiskFullAt {
+ public:
+  explicit DiskFullAt(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~DiskFullAt() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_F(Files, AtomicWriteReplacesTheWholeFile) {
+  WriteFileAtomic(dir_ / "a", "long contents");
+  WriteFileAtomic(dir_ / "a", "short");
+  EXPECT_EQ(ReadFile(dir_ / "a"), "short");
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir_), {}), 1) << "a temporary file was left";
+}
+
+TEST_F(Files, AFailedAtomicWriteLeavesTheOldContents) {
+  WriteFileAtomic(dir_ / "a", "old");
+  {
+    const DiskFullAt limit(10);
+    EXPECT_THROW(WriteFileAtomic(dir_ / "a", std::string(100, 'x')), RunError);
+  }
+  EXPECT_EQ(ReadFile(dir_ / "a"), "old");
+  EXPECT_FALSE(fs::exists(dir_ / "a.tmp"));
+}
+
+TEST_F(Files, AnUnwritablePlaceIsBadInput) {
+  EXPECT_THROW(WriteFileAtomic(dir_ / "no" / "such" / "folder", "x"), InputError);
+  EXPECT_THROW(MakeFolder("/proc/gusset"), InputError);
+  WriteFileAtomic(dir_ / "file", "x");
+  EXPECT_THROW(MakeFolder(dir_ / "file" / "sub"), InputError);
+  EXPECT_THROW(LineLog(dir_ / "no" / "log"), InputError);
+  EXPECT_THROW((void)ReadFile(dir_), InputError);
+}
+
+TEST_F(Files, AFileTooLargeIsRefused) {
+  WriteFileAtomic(dir_ / "a", "12345");
+  EXPECT_EQ(ReadFile(dir_ / "a", 5), "12345");
+  EXPECT_THROW((void)ReadFile(dir_ / "a", 4), InputError);
+}
+
+TEST_F(Files, ALineLogCutsWhatItsCheckpointDoesNotKnow) {
+  std::uint64_t known = 0;
+  {
+    LineLog log(dir_ / "log");
+    log.Append("one");
+    known = log.bytes();
+    log.Append("two");
+  }
+  EXPECT_EQ(ReadFile(dir_ / "log"), "one\ntwo\n");
+  {
+    LineLog log(dir_ / "log", known);
+    log.Append("three");
+    log.Sync();
+  }
+  EXPECT_EQ(ReadFile(dir_ / "log"), "one\nthree\n");
+  EXPECT_THROW(LineLog(dir_ / "log", 1000), InputError);
+}
+
+TEST_F(Files, AFullDiskLeavesOnlyWholeLines) {
+  LineLog log(dir_ / "log");
+  log.Append("first");
+  {
+    const DiskFullAt limit(10);
+    EXPECT_THROW(log.Append("second line, too long"), RunError);
+  }
+  EXPECT_EQ(ReadFile(dir_ / "log"), "first\n");
+  log.Append("third");
+  EXPECT_EQ(ReadFile(dir_ / "log"), "first\nthird\n");
+}
+
+TEST_F(Files, MoveAsideTakesTheFirstFreeNumber) {
+  EXPECT_EQ(MoveAside(dir_ / "run"), fs::path());
+  fs::create_directory(dir_ / "run");
+  EXPECT_EQ(MoveAside(dir_ / "run"), dir_ / "run.1");
+  fs::create_directory(dir_ / "run");
+  EXPECT_EQ(MoveAside(dir_ / "run/"), dir_ / "run.2");
+  EXPECT_FALSE(fs::exists(dir_ / "run"));
+}
+
+}  // namespace
+}  // namespace gusset

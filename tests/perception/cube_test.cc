@@ -1,0 +1,96 @@
+#include "perception/cube.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/perception/synthetic_frame.h"
+
+namespace gusset {
+namespace {
+
+const PerceptionConfig kConfig;
+
+std::optional<CubeBlob> Find(const RgbdFrame& frame) {
+  const View view = MakeView(frame, synthetic::Camera(), kConfig);
+  return FindCube(ThresholdColors(view, kConfig), view, kConfig);
+}
+
+CubeSeen Locate(const RgbdFrame& frame) {
+  const View view = MakeView(frame, synthetic::Camera(), kConfig);
+  return LocateCube(FindCube(ThresholdColors(view, kConfig), view, kConfig).value(), view, kConfig);
+}
+
+TEST(Cube, NoRedNoCube) { EXPECT_FALSE(Find(synthetic::EmptyTable())); }
+
+// The face is 20.9 px wide: 436 px^2, a border pixel more or less on each side.
+TEST(Cube, IsSeenAnywhereInTheFrame) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawCube(frame, {566, 240});
+  const CubeSeen cube = Locate(frame);
+  EXPECT_NEAR(cube.area_px2, 436, 42);
+  EXPECT_FALSE(cube.in_roi);
+  EXPECT_NEAR(cube.px.x, 566, 0.5);
+  EXPECT_NEAR(cube.px.y, 240, 0.5);
+}
+
+// Half a pixel is 0.9 mm.
+TEST(Cube, CentreIsHalfASideBelowItsTop) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawCube(frame, {400, 200});
+  const CubeSeen cube = Locate(frame);
+  EXPECT_TRUE(cube.from_depth);
+  EXPECT_NEAR(cube.p_W.x(), 80. / 615 * 1.031, 9e-4);
+  EXPECT_NEAR(cube.p_W.y(), 40. / 615 * 1.031, 9e-4);
+  EXPECT_NEAR(cube.p_W.z(), 0.0175, 1e-9);
+}
+
+TEST(Cube, SideFacesDoNotShiftItWhereDepthTellsThemFromTheTop) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::FillBox(frame.color, {{556, 240}}, {-8, -10, 16, 20}, synthetic::kCube);
+  synthetic::DrawCube(frame, {570, 240});
+  EXPECT_NEAR(Locate(frame).px.x, 570, 0.5);
+}
+
+TEST(Cube, WithoutDepthItStandsOnTheTable) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawCube(frame, {400, 200});
+  frame.depth_mm = cv::Mat();
+  const CubeSeen cube = Locate(frame);
+  EXPECT_FALSE(cube.from_depth);
+  EXPECT_NEAR(cube.p_W.z(), 0.0175, 1e-9);
+  EXPECT_NEAR(cube.p_W.x(), 80. / 615 * (1.066 - 0.0175), 9e-4);
+}
+
+// A face of 21 px shows an angle to about one pixel in 21: 2.7 degrees.
+TEST(Cube, YawIsThatOfItsEdgesWithinAQuarterTurn) {
+  for (const double yaw_deg : {-40., -20., 0., 10., 35.}) {
+    RgbdFrame frame = synthetic::EmptyTable();
+    synthetic::DrawCube(frame, {400, 200}, yaw_deg * std::numbers::pi / 180);
+    const CubeSeen cube = Locate(frame);
+    EXPECT_NEAR(cube.yaw_rad * 180 / std::numbers::pi, yaw_deg, 3) << yaw_deg;
+    EXPECT_NEAR(cube.area_px2, 436, 42) << yaw_deg;
+  }
+}
+
+TEST(Cube, LongOrHugeOrTinyRedThingsAreNone) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::FillBox(frame.color, {{320, 200}}, {-60, -4, 120, 8}, synthetic::kCube);
+  synthetic::FillBox(frame.color, {{320, 300}}, {-40, -40, 80, 80}, synthetic::kCube);
+  synthetic::FillBox(frame.color, {{200, 200}}, {-4, -4, 8, 8}, synthetic::kCube);
+  EXPECT_FALSE(Find(frame));
+}
+
+TEST(Cube, KnowsWhetherClothSurroundsIt) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(frame);
+  synthetic::DrawCube(frame, {320, 240});
+  EXPECT_TRUE(Find(frame)->amid_cloth);
+  RgbdFrame beside = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(beside);
+  synthetic::DrawCube(beside, {320 + synthetic::kHalfWidth + 11, 240});
+  EXPECT_FALSE(Find(beside)->amid_cloth);
+}
+
+}  // namespace
+}  // namespace gusset

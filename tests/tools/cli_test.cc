@@ -1,0 +1,117 @@
+// The program as a user meets it: exit codes, and one line for each mistake.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace gusset {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+struct Result {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "gusset_cli_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    dir_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+
+  Result Gusset(const std::string& arguments) const {
+    const std::string command = std::string(GUSSET_BINARY) + " " + arguments + " >" +
+                                (dir_ / "out").string() + " 2>" + (dir_ / "err").string();
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), Slurp(dir_ / "out"), Slurp(dir_ / "err")};
+  }
+  static std::string Slurp(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  fs::path Write(const std::string& name, const std::string& text) const {
+    std::ofstream(dir_ / name) << text;
+    return dir_ / name;
+  }
+  // Bad input: exit 2, one line on stderr that holds `text`, nothing on stdout.
+  void ExpectRefused(const std::string& arguments, const std::string& text) const {
+    const Result result = Gusset(arguments);
+    EXPECT_EQ(result.code, 2) << arguments << ": " << result.err;
+    EXPECT_EQ(result.out, "") << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(text)) << arguments;
+  }
+
+  fs::path dir_;
+};
+
+TEST_F(Cli, HelpEverywhereSucceeds) {
+  for (const char* command :
+       {"", "train", "evaluate", "play", "render", "classify", "self-check"}) {
+    const Result result = Gusset(std::string(command) + " --help");
+    EXPECT_EQ(result.code, 0) << command;
+    EXPECT_THAT(result.out, HasSubstr("--help"));
+  }
+  EXPECT_EQ(Gusset("--version").code, 0);
+}
+
+TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
+  ExpectRefused("", "subcommand");
+  ExpectRefused("bogus", "");
+  ExpectRefused("train", "--out");
+  ExpectRefused("train --out X --steps", "--steps");
+  ExpectRefused("render --state s9 --out X", "s9");
+  ExpectRefused("evaluate --policy random --episodes 0", "--episodes");
+  ExpectRefused("evaluate --policy random --start crumpled", "crumpled");
+  ExpectRefused("evaluate --policy random --log-level loud", "loud");
+  ExpectRefused("play --out X", "--policy");
+}
+
+TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
+  const std::string out = " --out " + (dir_ / "run").string();
+  ExpectRefused("train --steps -1" + out, "--steps: train.steps = -1 is not within [1, ");
+  ExpectRefused("train --seed x" + out, "--seed: train.seed = \"x\" must be a whole number");
+  ExpectRefused("train --agent dqn" + out, "--agent: train.agent = \"dqn\" is not one of");
+  ExpectRefused("train --update sum" + out, "pi.update");
+  ExpectRefused("train --set primitives.settle_s=nan" + out, "--set: primitives.settle_s = nan");
+  ExpectRefused("train --set nonsense" + out, "--set: nonsense");
+  ExpectRefused("train --bag bag9" + out, "bag1, bag2, bag3");
+  const fs::path config = Write("c.toml", "\n[primitives]\nsettle_s = -1\n");
+  ExpectRefused("train --config " + config.string() + out,
+                "c.toml:3: primitives.settle_s = -1 is not within [0, 10]");
+  ExpectRefused("train --config /nowhere.toml" + out, "/nowhere.toml");
+  EXPECT_FALSE(fs::exists(dir_ / "run")) << "nothing is written before the input is known good";
+}
+
+TEST_F(Cli, BrokenImagesAreRefusedByName) {
+  ExpectRefused("classify", "images");
+  ExpectRefused("classify /nowhere.png", "/nowhere.png");
+  ExpectRefused("classify " + Write("a.png", "not a picture").string(), "a.png");
+  ExpectRefused("classify " + Write("b.png", "").string(), "b.png");
+  ExpectRefused("classify " + dir_.string(), dir_.string());
+  ExpectRefused("classify --corpus " + dir_.string(), "labels.jsonl");
+}
+
+TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
+  ExpectRefused("train --resume --out " + dir_.string(), "config.toml");
+  ExpectRefused("play --run " + dir_.string() + " --step 0 --out " + (dir_ / "x").string(),
+                "steps.jsonl");
+  ExpectRefused("evaluate --policy " + dir_.string(), "policy.json");
+  ExpectRefused("evaluate --policy " + Write("p.json", "{").string(), "p.json");
+}
+
+}  // namespace
+}  // namespace gusset

@@ -1,0 +1,58 @@
+#include "tools/gusset/cli.h"
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "tools/gusset/command.h"
+
+namespace gusset {
+namespace {
+
+int Complain(const std::string& what, int code) {
+  std::string line = what;
+  for (char& c : line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::cerr << "gusset: " << line << std::endl;
+  return code;
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  try {
+    CLI::App app("A headless testbed in which a robot learns to bag.", "gusset");
+    app.set_version_flag("--version", GUSSET_VERSION);
+    app.require_subcommand(1);
+    std::vector<std::unique_ptr<Command>> commands;
+    commands.push_back(MakeTrainCommand());
+    commands.push_back(MakeEvaluateCommand());
+    commands.push_back(MakePlayCommand());
+    commands.push_back(MakeRenderCommand());
+    commands.push_back(MakeClassifyCommand());
+    commands.push_back(MakeSelfCheckCommand());
+    for (const auto& command : commands) {
+      command->Declare(*app.add_subcommand(command->name(), command->summary()));
+    }
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+      if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+      return Complain(std::string(e.what()) + " (see --help)", 2);
+    }
+    for (const auto& command : commands) {
+      if (app.got_subcommand(command->name())) command->Run();
+    }
+    return 0;
+  } catch (const InputError& e) {
+    return Complain(e.what(), 2);
+  } catch (const RunError& e) {
+    return Complain(e.what(), 1);
+  } catch (const std::exception& e) {
+    return Complain(std::string("internal error: ") + e.what(), 1);
+  }
+}
+
+}  // namespace gusset

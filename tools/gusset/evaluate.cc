@@ -1,0 +1,111 @@
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+#include "agents/evaluator.h"
+#include "base/files.h"
+#include "tools/gusset/command.h"
+#include "tools/gusset/settings.h"
+#include "tools/gusset/start_option.h"
+
+namespace gusset {
+namespace {
+
+class EvaluateCommand final : public Command {
+ public:
+  const char* name() const override { return "evaluate"; }
+  const char* summary() const override { return "Measure how often a policy succeeds"; }
+
+  void Declare(CLI::App& app) override {
+    app.add_option("--policy", policy_, "Run folder, policy file, or the word random")->required();
+    app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [that of the run]");
+    start_.AddTo(app);
+    app.add_option("--episodes", episodes_, "How many")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    app.add_option("--seed", seed_, "Seed of starts and noise")->capture_default_str();
+    app.add_option("--jobs", jobs_, "Worlds that run at once; the result does not depend on it")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+    app.add_option("--out", out_, "Write the JSON document to this file too")->type_name("FILE");
+    app.add_flag("--json", json_, "Print one JSON document");
+    common_.AddTo(app);
+  }
+
+  void Run() override {
+    common_.StartLog();
+    const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
+    const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
+    const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
+
+    WatchForStop();
+    const auto start = std::chrono::steady_clock::now();
+    Workers workers(jobs_, settings.EnvironmentFactory());
+    const EvaluationConfig config{.start = start_.kind(), .episodes = episodes_, .seed = seed_};
+    const EvaluationResult result = Evaluate(workers, *agent, config, StopRequested);
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+
+    const nlohmann::ordered_json document = Document(settings, result, wall.count());
+    if (!out_.empty()) WriteFileAtomic(out_, document.dump(2) + "\n");
+    json_ ? PrintJson(document) : PrintTable(result);
+  }
+
+ private:
+  nlohmann::ordered_json Document(const Settings& settings, const EvaluationResult& result,
+                                  double seconds_wall) const {
+    nlohmann::ordered_json per_step = nlohmann::ordered_json::array();
+    for (const StateTally& tally : result.per_step) {
+      per_step.push_back({{"attempts", tally.attempts},
+                          {"successes", tally.successes},
+                          {"episodes_reached", tally.reached},
+                          {"episodes_passed", tally.passed}});
+    }
+    const auto ci = WilsonInterval(result.true_successes, episodes_);
+    return {{"policy", policy_},
+            {"bag", settings.train.bag},
+            {"start", start_.start},
+            {"pose", start_.pose},
+            {"episodes", episodes_},
+            {"true_successes", result.true_successes},
+            {"perceived_successes", result.perceived_successes},
+            {"success_rate", static_cast<double>(result.true_successes) / episodes_},
+            {"ci95", {ci[0], ci[1]}},
+            {"per_step", per_step},
+            {"disagreements", result.disagreements},
+            {"state_disagreements", result.state_disagreements},
+            {"seconds_wall", seconds_wall},
+            {"seconds_sim", result.seconds_sim},
+            {"seed", seed_},
+            {"versions", Versions()}};
+  }
+
+  void PrintTable(const EvaluationResult& result) const {
+    const auto ci = WilsonInterval(result.true_successes, episodes_);
+    std::printf("%-24s %-9s %9s %8s %6s  %-12s %8s  %s\n", "policy", "start", "episodes", "success",
+                "rate", "95 %", "by eye", "passed s0, s1, s2, s3");
+    std::printf("%-24s %-9s %9d %8d %5.0f%%  %3.0f%% - %3.0f%%  %8d ", policy_.c_str(),
+                start_.start.c_str(), episodes_, result.true_successes,
+                100.0 * result.true_successes / episodes_, 100 * ci[0], 100 * ci[1],
+                result.perceived_successes);
+    for (const StateTally& tally : result.per_step) {
+      std::printf(" %d/%d", tally.passed, tally.reached);
+    }
+    std::printf("\n");
+  }
+
+  CommonOptions common_;
+  StartOption start_;
+  std::string policy_;
+  std::optional<std::string> bag_;
+  std::string out_;
+  int episodes_ = 50;
+  std::uint64_t seed_ = 7;
+  int jobs_ = 1;
+  bool json_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeEvaluateCommand() { return std::make_unique<EvaluateCommand>(); }
+
+}  // namespace gusset

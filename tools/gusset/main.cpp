@@ -1,0 +1,3 @@
+#include "tools/gusset/cli.h"
+
+int main(int argc, char** argv) { return gusset::RunCommandLine(argc, argv); }

@@ -1,0 +1,155 @@
+#include <cstdio>
+#include <iostream>
+
+#include "agents/affordances.h"
+#include "agents/evaluator.h"
+#include "agents/image_file.h"
+#include "agents/json_fields.h"
+#include "agents/replay.h"
+#include "agents/run_folder.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "tools/gusset/command.h"
+#include "tools/gusset/episode_video.h"
+#include "tools/gusset/settings.h"
+#include "tools/gusset/start_option.h"
+
+namespace gusset {
+namespace {
+
+std::string Caption(int state, int action) {
+  const Affordance& rule = AffordanceOf(state);
+  const ActionChoice choice = DecodeAction(state, action);
+  return "s" + std::to_string(state) + ": " + rule.primary + " + " + rule.complementary +
+         ", point " + std::to_string(choice.point) + ", parameter " +
+         std::to_string(choice.parameter);
+}
+
+// An agent whose choices are told to someone before they are carried out.
+class Announced final : public Agent {
+ public:
+  Announced(const Agent& agent, EpisodeVideo& video) : agent_(agent), video_(video) {}
+  Decision Act(int state, std::span<const double> features, int n_actions, Mode mode,
+               Rng& rng) const override {
+    const Decision decision = agent_.Act(state, features, n_actions, mode, rng);
+    video_.Say(Caption(state, decision.action));
+    return decision;
+  }
+  void Learn(const Transition&) override {}
+  nlohmann::json Save() const override { return agent_.Save(); }
+  void Load(const nlohmann::json&) override {}
+  std::string name() const override { return agent_.name(); }
+
+ private:
+  const Agent& agent_;
+  EpisodeVideo& video_;
+};
+
+class PlayCommand final : public Command {
+ public:
+  const char* name() const override { return "play"; }
+  const char* summary() const override {
+    return "One episode, or one logged action again, with every frame, overlay and a video";
+  }
+
+  void Declare(CLI::App& app) override {
+    CLI::Option* policy =
+        app.add_option("--policy", policy_, "Run folder, policy file, or the word random");
+    CLI::Option* run = app.add_option("--run", run_, "Run folder of which to repeat an action");
+    app.add_option("--step", step_, "Which action of --run")->needs(run)->excludes(policy);
+    run->excludes(policy);
+    app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [that of the run]");
+    start_.AddTo(app);
+    app.add_option("--seed", seed_, "Seed of the episode")->capture_default_str();
+    app.add_option("--out", out_, "Folder for the pictures")->required()->type_name("DIR");
+    common_.AddTo(app);
+  }
+
+  void Run() override {
+    common_.StartLog();
+    if (policy_.empty() == run_.empty()) throw InputError("play needs either --policy or --run");
+    const std::string source = run_.empty() ? policy_ : run_;
+    const std::filesystem::path base = source == "random" ? "" : ConfigBeside(source);
+    Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
+    MakeFolder(out_);
+    TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
+    run_.empty() ? PlayEpisode(settings, environment) : RepeatStep(environment);
+  }
+
+ private:
+  std::filesystem::path Prefix(int step) const {
+    char name[32];
+    std::snprintf(name, sizeof name, "action%02d", step);
+    return std::filesystem::path(out_) / name;
+  }
+
+  void WriteViews(TestbedEnv& environment, int step) const {
+    environment.WriteFrames(Prefix(step));
+    WriteImage(Prefix(step).string() + "_oblique.png", environment.testbed().ObliqueLook().color);
+  }
+
+  void PlayEpisode(const Settings& settings, TestbedEnv& environment) const {
+    const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
+    Episode episode;
+    {
+      EpisodeVideo video(std::filesystem::path(out_) / "episode.mp4", environment);
+      episode = RunEpisode(environment, Announced(*agent, video),
+                           {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0,
+                           [&](int step) { WriteViews(environment, step); });
+    }
+    nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+    for (const Episode::Step& step : episode.steps) {
+      steps.push_back({{"state", step.state},
+                       {"action", step.action},
+                       {"next_state", step.next_state},
+                       {"next_state_true", step.true_state},
+                       {"sensor_seed", step.sensor_seed}});
+      std::cout << Caption(step.state, step.action) << " -> s" << step.next_state << "\n";
+    }
+    std::cout << (episode.true_success ? "success" : "failure") << ", seen as "
+              << (episode.perceived_success ? "success" : "failure") << ": " << out_ << std::endl;
+    const nlohmann::ordered_json document = {{"policy", policy_},
+                                             {"seed", seed_},
+                                             {"start", start_.start},
+                                             {"start_seed", episode.start_seed},
+                                             {"true_success", episode.true_success},
+                                             {"perceived_success", episode.perceived_success},
+                                             {"steps", steps}};
+    WriteFileAtomic(std::filesystem::path(out_) / "episode.json", document.dump(2) + "\n");
+  }
+
+  void RepeatStep(TestbedEnv& environment) const {
+    const std::vector<nlohmann::json> steps = ReadRunSteps(run_);
+    const Snapshot world = WorldBefore(environment, steps, step_);
+    const nlohmann::json& line = steps.at(static_cast<std::size_t>(step_));
+    const int action = JsonField<int>(line, "action", 0, 80);
+    const Percept percept = environment.Begin(world, JsonField<std::uint64_t>(line, "sensor_seed"));
+    if (percept.state != JsonField<int>(line, "state")) {
+      throw RunError("step " + std::to_string(step_) +
+                     " does not come out as logged: the bag is in s" +
+                     std::to_string(percept.state));
+    }
+    EpisodeVideo video(std::filesystem::path(out_) / "action.mp4", environment);
+    video.Say(Caption(percept.state, action));
+    const Outcome outcome = environment.Act(action);
+    WriteViews(environment, step_);
+    std::cout << Caption(percept.state, action) << " -> s" << outcome.next.state << ", reward "
+              << outcome.reward << " (logged: " << line.value("reward", 0.0) << "): " << out_
+              << std::endl;
+  }
+
+  CommonOptions common_;
+  StartOption start_;
+  std::string policy_;
+  std::string run_;
+  int step_ = 0;
+  std::optional<std::string> bag_;
+  std::uint64_t seed_ = 3;
+  std::string out_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakePlayCommand() { return std::make_unique<PlayCommand>(); }
+
+}  // namespace gusset

@@ -1,0 +1,156 @@
+#include "tools/gusset/settings.h"
+
+#include <bullet/LinearMath/btScalar.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <iostream>
+#include <opencv2/core/version.hpp>
+
+#include "agents/affordances.h"
+#include "agents/random_agent.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "tools/gusset/testbed_env.h"
+
+namespace gusset {
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+extern "C" void OnStopSignal(int) { stop_requested = 1; }
+
+// Reads what the environment and the learner need; the world's sections are left to MakeTestbed.
+void ReadSections(Settings& settings) {
+  settings.tree.Read("train", settings.train);
+  settings.tree.Read("pi", settings.pi);
+  settings.pi.steps_per_state = settings.train.steps;
+  settings.bagging.Read(settings.tree);
+}
+
+}  // namespace
+
+void CommonOptions::AddTo(CLI::App& command) {
+  command.add_option("--config", config_files, "TOML file read over the defaults (repeatable)")
+      ->type_name("FILE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--set", assignments, "One value, as section.key=value (repeatable)")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--log-level", log_level, "What is logged to stderr")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+}
+
+void CommonOptions::StartLog() const {
+  const auto logger = std::make_shared<spdlog::logger>(
+      "gusset", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  logger->set_pattern("%H:%M:%S %^%l%$ %v");
+  logger->set_level(spdlog::level::from_str(log_level));
+  spdlog::set_default_logger(logger);
+}
+
+std::filesystem::path BagFile(const std::string& bag) {
+  if (bag.ends_with(".toml")) return bag;
+  const std::filesystem::path folder = AssetsFolder() / "bags";
+  std::filesystem::path file = folder / (bag + ".toml");
+  if (std::filesystem::exists(file)) return file;
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
+  }
+  std::ranges::sort(names);
+  throw InputError("--bag: no bag is called " + bag +
+                   "; there are: " + CLI::detail::join(names, ", "));
+}
+
+std::filesystem::path ConfigBeside(const std::filesystem::path& policy) {
+  const std::filesystem::path folder =
+      std::filesystem::is_directory(policy) ? policy : policy.parent_path();
+  const std::filesystem::path file = folder / "config.toml";
+  return std::filesystem::exists(file) ? file : std::filesystem::path();
+}
+
+Settings LoadSettings(const CommonOptions& common, const SettingsSource& source) {
+  Settings settings;
+  std::optional<std::string> bag = source.bag;
+  if (!source.base.empty()) {
+    settings.tree.Load(source.base);
+    settings.tree.Read("train", settings.train);
+    // A run's config holds its bag already, as --set may have changed it.
+    if (bag == settings.train.bag) bag.reset();
+  } else if (!bag) {
+    bag = settings.train.bag;
+  }
+  if (bag) settings.tree.Load(BagFile(*bag));
+  for (const std::string& file : common.config_files) settings.tree.Load(file);
+  for (const std::string& assignment : common.assignments) settings.tree.Set(assignment);
+  if (bag) settings.tree.Set("train.bag=" + *bag, "--bag");
+  for (const Assignment& a : source.assignments) {
+    if (a.value) settings.tree.Set(a.key + "=" + *a.value, a.option);
+  }
+  ReadSections(settings);
+
+  // The world is built once, so that every section is read, every file it names opened and every
+  // mistake found before anything is written.
+  const std::unique_ptr<Testbed> testbed = MakeTestbed(settings.tree);
+  settings.tree.RefuseUnknown();
+  AppendToml("train", settings.train, settings.resolved);
+  AppendToml("pi", settings.pi, settings.resolved);
+  settings.bagging.AppendTo(settings.resolved);
+  testbed->AppendConfig(settings.resolved);
+  return settings;
+}
+
+Workers::Factory Settings::EnvironmentFactory() const {
+  return [tree = tree, bagging = bagging]() -> std::unique_ptr<Environment> {
+    ConfigTree own = tree;
+    return std::make_unique<TestbedEnv>(MakeTestbed(own), bagging);
+  };
+}
+
+std::unique_ptr<Agent> MakeAgent(const Settings& settings) {
+  if (settings.train.agent == "random") return std::make_unique<RandomAgent>();
+  std::vector<int> n_actions;
+  for (int s = 0; s < kActingStates; ++s) n_actions.push_back(AffordanceOf(s).actions());
+  return std::make_unique<PiLearning>(settings.pi, n_actions);
+}
+
+std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& settings) {
+  if (policy == "random") return std::make_unique<RandomAgent>();
+  std::unique_ptr<Agent> agent = MakeAgent(settings);
+  LoadPolicy(PolicyFile(policy), *agent);
+  return agent;
+}
+
+nlohmann::ordered_json Versions() {
+  const int bullet = BT_BULLET_VERSION;
+  return {
+      {"gusset", GUSSET_VERSION},
+      {"bullet", std::to_string(bullet / 100) + "." + std::to_string(bullet % 100)},
+      {"opencv", CV_VERSION},
+      {"eigen", std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) +
+                    "." + std::to_string(EIGEN_MINOR_VERSION)},
+      {"compiler", __VERSION__}};
+}
+
+void PrintJson(const nlohmann::ordered_json& document) {
+  std::cout << document.dump(2) << std::endl;
+  if (!std::cout) throw RunError("cannot write to standard output");
+}
+
+void WatchForStop() {
+  struct sigaction action = {};
+  action.sa_handler = OnStopSignal;
+  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool StopRequested() { return stop_requested != 0; }
+
+}  // namespace gusset

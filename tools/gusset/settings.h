@@ -1,0 +1,82 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "agents/agent.h"
+#include "agents/bagging_env.h"
+#include "agents/pi_learning.h"
+#include "agents/trainer.h"
+#include "agents/workers.h"
+#include "tools/gusset/wiring.h"
+
+namespace gusset {
+
+/// Options that every subcommand takes.
+struct CommonOptions {
+  std::vector<std::string> config_files;  ///< --config, later ones win.
+  std::vector<std::string> assignments;   ///< --set section.key=value, after all files.
+  std::string log_level = "info";
+
+  void AddTo(CLI::App& command);
+  /// Sends the log to stderr at the level asked for.
+  void StartLog() const;
+};
+
+/// Everything a run is configured by, read and checked.
+struct Settings {
+  ConfigTree tree;
+  BaggingConfig bagging;
+  TrainConfig train;
+  PiConfig pi;
+  std::string resolved;  ///< config.toml: every value that took effect.
+
+  /// Makes environments, each with a world of its own.
+  Workers::Factory EnvironmentFactory() const;
+};
+
+/// An option that stands for one config value.
+struct Assignment {
+  std::string option;                ///< "--steps", for errors.
+  std::string key;                   ///< "train.steps".
+  std::optional<std::string> value;  ///< As given, if it was.
+};
+
+/// Where settings come from, in this order, later ones winning; --config and --set come after bag
+/// and before assignments.
+struct SettingsSource {
+  std::filesystem::path base = {};      ///< A run's config.toml; empty: none.
+  std::optional<std::string> bag = {};  ///< --bag; with a base only if it is another bag.
+  std::vector<Assignment> assignments = {};
+};
+
+/// @throws InputError naming file, line, key, value and bound.
+Settings LoadSettings(const CommonOptions& common, const SettingsSource& source);
+
+/// The file of a bag by name ("bag1") or path. @throws InputError listing the names there are.
+std::filesystem::path BagFile(const std::string& bag);
+
+/// config.toml of the run folder that a policy lies in; empty if there is none.
+std::filesystem::path ConfigBeside(const std::filesystem::path& policy);
+
+/// A new learner of the kind that `settings.train.agent` names.
+std::unique_ptr<Agent> MakeAgent(const Settings& settings);
+
+/// A learner as evaluate and play use it: from a run folder, a policy file, or "random".
+std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& settings);
+
+/// Versions of this program and of what its results depend on.
+nlohmann::ordered_json Versions();
+
+/// Prints the one JSON document of --json. @throws RunError if stdout cannot take it.
+void PrintJson(const nlohmann::ordered_json& document);
+
+/// From now on Ctrl-C and SIGTERM make StopRequested() true; a second one kills.
+void WatchForStop();
+bool StopRequested();
+
+}  // namespace gusset

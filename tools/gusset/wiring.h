@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "agents/ports/camera_port.h"
+#include "agents/ports/referee.h"
+#include "agents/ports/robot_port.h"
+#include "agents/ports/scene_port.h"
+#include "base/config.h"
+
+namespace gusset {
+
+/// Everything that stands for the rig: here the simulated one, elsewhere a real one could.
+class Testbed {
+ public:
+  virtual ~Testbed() = default;
+  virtual ScenePort& scene() = 0;
+  virtual CameraPort& camera() = 0;
+  virtual RobotPort& robot() = 0;
+  virtual Referee& referee() = 0;
+
+  /// The whole scene from the side, for people; without noise. No time passes.
+  virtual RgbdFrame ObliqueLook() = 0;
+  /// From now on calls `callback` after every period_s of simulated time, while the world moves.
+  /// It may look, and must not change anything. An empty function ends it.
+  virtual void Watch(double period_s, std::function<void()> callback) = 0;
+  /// Appends every section of the world's config as it took effect.
+  virtual void AppendConfig(std::string& out) const = 0;
+  /// What draws the frames (GL_RENDERER).
+  virtual std::string renderer() const = 0;
+};
+
+/// The one place where the simulation meets the agents: builds arm, world, camera and referee from
+/// the config's sections. One thread may use what it returns, the one that called this.
+/// @param config holds the bag's file already; what is read of it is marked as known.
+/// @throws InputError for bad values and files.
+std::unique_ptr<Testbed> MakeTestbed(ConfigTree& config);
+
+}  // namespace gusset
