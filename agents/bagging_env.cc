@@ -60,7 +60,11 @@ void BaggingConfig::Read(ConfigTree& tree) {
     throw InputError("thresholds.source = \"published\" needs a section [thresholds_published]");
   }
 }
-void BaggingConfig::AppendTo(std::string& out) const { VisitSections(*this, Writers{out}); }
+
+void BaggingConfig::AppendTo(std::string& out) const {
+  VisitSections(*this, Writers{out});
+  if (published) AppendToml("thresholds_published", *published, out);
+}
 
 BaggingEnv::BaggingEnv(ScenePort& scene, CameraPort& camera, RobotPort& robot, Referee& referee,
                        const BaggingConfig& config)

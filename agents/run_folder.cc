@@ -75,7 +75,7 @@ void RunFolder::RemoveSnapshot(int id) const {
 
 nlohmann::ordered_json PolicyJson(const Agent& agent, const nlohmann::ordered_json& about) {
   nlohmann::ordered_json policy = {{"format", kPolicyFormat}, {"agent", agent.name()}};
-  policy.update(about);
+  if (!about.is_null()) policy.update(about);
   policy["learnt"] = agent.Save();
   return policy;
 }

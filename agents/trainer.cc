@@ -282,6 +282,8 @@ class Trainer {
       trial.sensor_seed = Seed("sensor", index);
       trial.agent_seed = Seed("agent", index);
       trial.percept = environment.Begin(snapshot, trial.sensor_seed);
+      spdlog::debug("step {} of s{}, attempt {}: seen as s{}", plan.index, plan.state, attempt,
+                    trial.percept.state);
       if (trial.percept.state != plan.state) continue;
       Act(environment, trial, start);
       return;

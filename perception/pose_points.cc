@@ -7,7 +7,7 @@
 namespace gusset {
 namespace {
 
-constexpr double kRimShare = 1.6 / 9;
+constexpr double kRimShare = 0.5 / 9;
 
 bool Covers(const cv::Mat& mask, cv::Point at) {
   return cv::Rect({0, 0}, mask.size()).contains(at) && mask.at<uchar>(at) != 0;

@@ -8,9 +8,9 @@ namespace gusset {
 /// the fingertips. All tuned: whether one layer is caught, both or none is decided by sink_m
 /// against the cloth's thickness.
 struct ScratchDragConfig {
-  double opening_m = 0.025;      ///< Between the fingers as they come down.
+  double opening_m = 0.045;      ///< Between the fingers as they come down.
   double touch_force_N = 1;      ///< Felt when the fingertips rest on the cloth.
-  double sink_m = 0.001;         ///< Deeper by this after the touch.
+  double sink_m = 0.0;         ///< Deeper by this after the touch.
   double lift_m = 0.07;          ///< The layer is raised so far ...
   double drag_speed_m_s = 0.15;  ///< ... and dragged over the target.
   double release_height_m = 0.02;

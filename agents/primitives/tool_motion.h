@@ -16,7 +16,7 @@ namespace gusset {
 struct MotionConfig {
   double travel_speed_m_s = 0.40;   ///< Free motion.
   double descend_speed_m_s = 0.15;  ///< Down to where a guarded move begins.
-  double guarded_speed_m_s = 0.05;  ///< Until contact.
+  double guarded_speed_m_s = 0.02;  ///< Until contact.
   double contact_force_N = 4;       ///< Counts as touching the table.
   double finger_speed_m_s = 0.10;   ///< Per finger; the real gripper does 0.02 to 0.15.
   double grip_force_N = 60;         ///< Of the closed gripper; the real one does 20 to 235.

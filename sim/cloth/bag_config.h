@@ -11,21 +11,21 @@ namespace gusset {
 struct BagConfig {
   std::string name = "bag1";
   std::string material = "cotton";
-  double opening_m = 0.30;         ///< Width of the mouth, across the bag (Table 5.3).
-  double depth_m = 0.35;           ///< From rim to bottom seam (Table 5.3, "width").
-  double thickness_m = 0.0015;     ///< One ply; used by contact, grasp and rendering alike.
+  double opening_m = 0.30;      ///< Width of the mouth, across the bag (Table 5.3).
+  double depth_m = 0.35;        ///< From rim to bottom seam (Table 5.3, "width").
+  double thickness_m = 0.0015;  ///< One ply; used by contact, grasp and rendering alike.
   double area_density_kg_m2 = 0.24;
-  double flexural_rigidity_Nm = 2e-4;
-  double friction_cloth = 0.5;     ///< Cloth on cloth.
-  double friction_table = 0.6;     ///< Cloth on the canvas.
-  double friction_cube = 0.5;      ///< Cloth on the cube.
-  double drag_coefficient = 1.3;   ///< Of a flat plate across the flow.
+  double flexural_rigidity_Nm = 5e-5;
+  double friction_cloth = 0.5;    ///< Cloth on cloth.
+  double friction_table = 0.6;    ///< Cloth on the canvas.
+  double friction_cube = 0.5;     ///< Cloth on the cube.
+  double drag_coefficient = 1.3;  ///< Of a flat plate across the flow.
   int labels_per_layer = 5;
-  double label_width_m = 0.012;    ///< Along the rim.
-  double label_height_m = 0.014;   ///< From the rim towards the bottom.
+  double label_width_m = 0.012;   ///< Along the rim.
+  double label_height_m = 0.014;  ///< From the rim towards the bottom.
   std::vector<double> colour_rgb = {0.93, 0.91, 0.85};
-  int nodes_across = 16;           ///< Mesh nodes along the mouth, per layer.
-  int nodes_deep = 18;             ///< Mesh nodes from rim to bottom, per layer.
+  int nodes_across = 16;  ///< Mesh nodes along the mouth, per layer.
+  int nodes_deep = 18;    ///< Mesh nodes from rim to bottom, per layer.
 
   template <class V>
   void Fields(V& v) {

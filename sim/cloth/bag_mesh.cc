@@ -66,7 +66,8 @@ ClothMesh MakeMesh(const BagConfig& config, int layers) {
         const int n00 = node(i, j), n10 = node(i + 1, j), n01 = node(i, j + 1),
                   n11 = node(i + 1, j + 1);
         ClothPatch patch;
-        // Diagonals alternate so that no direction is favoured; the layers take opposite ones.
+        // Diagonals alternate so that no direction is favoured; the layers take
+        // opposite ones.
         const bool forward = (i + j + layer) % 2 == 0;
         const std::array<std::array<int, 3>, 2> tris =
             forward ? std::array<std::array<int, 3>, 2>{{{n00, n10, n11}, {n00, n11, n01}}}
@@ -102,13 +103,16 @@ ClothMesh MakeMesh(const BagConfig& config, int layers) {
         link(a, b, mesh.stretch, rest);
       }
     };
-    for (int j = 0; j < nv; ++j) {
-      for (int i = 0; i + 1 < nu; ++i) link_once(node(i, j), node(i + 1, j), du);
+    // Neighbours in the list belong to neighbouring rows and share no node (see
+    // LinkSolver).
+    for (int i = 0; i + 1 < nu; ++i) {
+      for (int j = 0; j < nv; ++j) link_once(node(i, j), node(i + 1, j), du);
     }
     for (int j = 0; j + 1 < nv; ++j) {
       for (int i = 0; i < nu; ++i) link_once(node(i, j), node(i, j + 1), dv);
     }
-    // Bending of a row of strips, each as wide as the spacing across: energy B w/(2 L^3) |x1-2x2+x3|^2.
+    // Bending of a row of strips, each as wide as the spacing across: energy B
+    // w/(2 L^3) |x1-2x2+x3|^2.
     const auto bend = [&](int a, int mid, int c, float stiffness) {
       if (bends_done.emplace(std::array<int, 3>{a, mid, c}, true).second) {
         mesh.bends.push_back({a, mid, c, stiffness});

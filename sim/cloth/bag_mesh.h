@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "sim/cloth/bag_config.h"
 
@@ -36,8 +35,8 @@ struct ClothPatch {
 /// The flat pattern of a cloth: nodes, triangles, links.
 ///
 /// Cloth coordinates: u across (0 .. opening), v from the rim (0) to the bottom, metres. A bag has
-/// two layers, 0 below and 1 above as it is laid out, whose nodes at u = 0, u = opening and v = depth
-/// are shared: the seams.
+/// two layers, 0 below and 1 above as it is laid out, whose nodes at u = 0, u = opening and v =
+/// depth are shared: the seams.
 struct ClothMesh {
   int layers = 0;
   float thickness_m = 0;

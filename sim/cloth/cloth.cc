@@ -15,10 +15,27 @@ constexpr float kAirDensity_kg_m3 = 1.2f;  // dry air at 20 C and sea level
 constexpr int kAirEvery = 4;               // substeps between evaluations of the air's force
 constexpr int kCandidatesEvery = 4;        // substeps between searches for shapes' contacts
 constexpr float kCandidateReach_m = 0.008f;
-// Woven cotton's yarns straighten by about a percent before they bear; tethers allow for it.
+// Woven cotton's yarns straighten by about a percent before they bear; tethers
+// allow for it.
 constexpr float kTetherSlack = 1.01f;
-// Points per triangle side when cloth between the pads is looked for: 20 mm / 8 = 2.5 mm apart.
+// Stiffness of cloth across its thickness, per area: a cotton of 1.5 mm loses some 0.5 mm under
+// 5 kPa (KES-FB3, the usual compression test).
+constexpr float kCompression_N_m3 = 1e7f;
+// Points per triangle side when cloth between the pads is looked for: 20 mm / 8
+// = 2.5 mm apart.
 constexpr int kHoldSamples = 8;
+
+std::vector<float> Inverse(const std::vector<float>& mass) {
+  std::vector<float> inverse;
+  for (const float m : mass) inverse.push_back(1.0f / m);
+  return inverse;
+}
+
+Vec4Array Widen(const Vec3Array& a) {
+  Vec4Array wide;
+  for (const Vec3f& p : a) wide.emplace_back(p.x(), p.y(), p.z(), 0.0f);
+  return wide;
+}
 
 }  // namespace
 
@@ -26,10 +43,14 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
     : mesh_(std::move(mesh)),
       bag_(bag),
       solver_(solver),
+      inv_mass_(Inverse(mesh_.mass_kg)),
+      stretch_(mesh_.stretch, inv_mass_),
+      shear_(mesh_.shear, inv_mass_),
       contact_(mesh_, static_cast<float>(bag.friction_cloth)) {
   const float h = 1.0f / static_cast<float>(solver.substeps_per_s);
-  // Bending is explicit: its fastest mode, bounded by Gershgorin's row sums of K/m, must stay below
-  // (2/h)^2 less what damping takes (Hairer, Lubich, Wanner 2006, I.1.4).
+  // Bending is explicit: its fastest mode, bounded by Gershgorin's row sums of
+  // K/m, must stay below (2/h)^2 less what damping takes (Hairer, Lubich,
+  // Wanner 2006, I.1.4).
   std::vector<float> row_sum(mesh_.mass_kg.size(), 0.0f);
   for (const ClothBend& b : mesh_.bends) {
     row_sum[b.a] += 4 * b.stiffness_N_m;
@@ -40,32 +61,37 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
   for (std::size_t i = 0; i < row_sum.size(); ++i) {
     fastest = std::max(fastest, row_sum[i] / mesh_.mass_kg[i]);
   }
-  const float limit = 4.0f / (h * h) / (1.0f + 2.0f * static_cast<float>(solver.bend_damping_s) / h);
+  const float limit =
+      4.0f / (h * h) / (1.0f + 2.0f * static_cast<float>(solver.bend_damping_s) / h);
   if (fastest > limit) {
     char text[256];
     std::snprintf(text, sizeof text,
-                  "bag '%s': cloth.flexural_rigidity_Nm = %g with this mesh and weight needs more "
+                  "bag '%s': cloth.flexural_rigidity_Nm = %g with this mesh "
+                  "and weight needs more "
                   "than solver.substeps_per_s = %d (bound: %d)",
                   bag.name.c_str(), bag.flexural_rigidity_Nm, solver.substeps_per_s,
                   static_cast<int>(std::ceil(std::sqrt(fastest / limit) * solver.substeps_per_s)));
     throw InputError(text);
   }
-  for (const float m : mesh_.mass_kg) inv_mass_.push_back(1.0f / m);
-  state_.x = mesh_.rest;
-  state_.v.assign(mesh_.rest.size(), Vec3f::Zero());
-  x_prev_ = state_.x;
-  air_.assign(mesh_.rest.size(), Vec3f::Zero());
-  bend_force_ = air_;
+  ClothState flat;
+  flat.x = mesh_.rest;
+  flat.v.assign(mesh_.rest.size(), Vec3f::Zero());
+  SetState(std::move(flat));
+  air_.assign(mesh_.rest.size(), Vec4f::Zero());
+  bend_force_ = ahead_ = air_;
   for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, 0, 0}, {1, 0, 0}, 1});
   for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], 0}, {0.5f, 0.5f, 0}, 2});
   for (const auto& t : mesh_.triangles) {
     samples_.push_back({{t[0], t[1], t[2]}, {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}, 3});
   }
+  sample_area_m2_ = static_cast<float>(bag.opening_m * bag.depth_m * mesh_.layers) /
+                    static_cast<float>(samples_.size());
 }
 
 void Cloth::SetState(ClothState state) {
   state_ = std::move(state);
-  x_prev_ = state_.x;
+  x_ = x_prev_ = Widen(state_.x);
+  v_ = Widen(state_.v);
   contact_.Invalidate();
   since_candidates_ = 0;
   since_air_ = 0;
@@ -73,99 +99,80 @@ void Cloth::SetState(ClothState state) {
 }
 
 void Cloth::ApplyBending(float h) {
-  // Energy k/2 |a - 2 mid + c|^2 per row of three (see MakeBagMesh), damped in proportion.
-  for (Vec3f& f : bend_force_) f.setZero();
+  // Energy k/2 |a - 2 mid + c|^2 per row of three (see MakeBagMesh), damped in
+  // proportion.
+  for (Vec4f& f : bend_force_) f.setZero();
   const float damping = static_cast<float>(solver_.bend_damping_s);
-  const auto& x = state_.x;
-  const auto& v = state_.v;
+  // Where the nodes would be a damping time later: its second difference holds
+  // both parts.
+  for (std::size_t i = 0; i < x_.size(); ++i) ahead_[i] = x_[i] + damping * v_[i];
   for (const ClothBend& b : mesh_.bends) {
-    const Vec3f second = x[b.a] - 2 * x[b.mid] + x[b.c];
-    const Vec3f rate = v[b.a] - 2 * v[b.mid] + v[b.c];
-    const Vec3f f = b.stiffness_N_m * (second + damping * rate);
+    const Vec4f f = b.stiffness_N_m * (ahead_[b.a] - 2 * ahead_[b.mid] + ahead_[b.c]);
     bend_force_[b.a] -= f;
     bend_force_[b.mid] += 2 * f;
     bend_force_[b.c] -= f;
   }
-  for (std::size_t i = 0; i < x.size(); ++i) state_.v[i] += bend_force_[i] * (h * inv_mass_[i]);
+  for (std::size_t i = 0; i < x_.size(); ++i) v_[i] += bend_force_[i] * (h * inv_mass_[i]);
 }
 
 void Cloth::ApplyAir(float h) {
-  // Pressure drag of each face, 1/2 rho C v_n^2 A along its normal. A bag's two layers share the
-  // flow, so each takes half.
+  // Pressure drag of each face, 1/2 rho C v_n^2 A along its normal. A bag's two
+  // layers share the flow, so each takes half.
   if (since_air_ == 0) {
-    for (Vec3f& f : air_) f.setZero();
+    for (Vec4f& f : air_) f.setZero();
     const float c = 0.5f * kAirDensity_kg_m3 * static_cast<float>(bag_.drag_coefficient) /
                     static_cast<float>(mesh_.layers);
     for (const auto& t : mesh_.triangles) {
-      const Vec3f &a = state_.x[t[0]], &b = state_.x[t[1]], &d = state_.x[t[2]];
-      const Vec3f twice = (b - a).cross(d - a);
+      const Vec4f &a = x_[t[0]], &b = x_[t[1]], &d = x_[t[2]];
+      const Vec4f twice = (b - a).cross3(d - a);
       const float twice_area = twice.norm();
       if (twice_area < 1e-12f) continue;
-      const Vec3f v = (state_.v[t[0]] + state_.v[t[1]] + state_.v[t[2]]) / 3.0f;
+      const Vec4f v = (v_[t[0]] + v_[t[1]] + v_[t[2]]) / 3.0f;
       const float along = v.dot(twice) / twice_area;
-      const Vec3f f = twice * (-c * 0.5f * along * std::abs(along) / 3.0f);
+      const Vec4f f = twice * (-c * 0.5f * along * std::abs(along) / 3.0f);
       for (const int n : t) air_[n] += f;
     }
   }
   since_air_ = (since_air_ + 1) % kAirEvery;
-  for (std::size_t i = 0; i < state_.v.size(); ++i) {
+  for (std::size_t i = 0; i < v_.size(); ++i) {
     // Never more than stops the node: the force is a few substeps old.
-    Vec3f dv = air_[i] * (h * inv_mass_[i]);
-    const float dv2 = dv.squaredNorm(), v2 = state_.v[i].squaredNorm();
+    Vec4f dv = air_[i] * (h * inv_mass_[i]);
+    const float dv2 = dv.squaredNorm(), v2 = v_[i].squaredNorm();
     if (dv2 > v2 && dv2 > 0) dv *= std::sqrt(v2 / dv2);
-    state_.v[i] += dv;
+    v_[i] += dv;
   }
 }
 
 void Cloth::Predict(float h) {
-  if (contact_.Stale(state_.x)) contact_.Detect(state_.x, state_.v);
+  contact_.Prepare(x_, v_, h, static_cast<float>(solver_.separation_speed_m_s) * h);
   ApplyBending(h);
   ApplyAir(h);
   const float keep = 1.0f - static_cast<float>(solver_.damping_per_s) * h;
-  const float fall = gravity_on ? kGravity * h : 0.0f;
-  x_prev_ = state_.x;
-  for (std::size_t i = 0; i < state_.x.size(); ++i) {
-    state_.v[i] *= keep;
-    state_.v[i].z() -= fall;
-    state_.x[i] += state_.v[i] * h;
+  const Vec4f fall(0, 0, gravity_on ? kGravity * h : 0.0f, 0);
+  x_prev_ = x_;
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    v_[i] = v_[i] * keep - fall;
+    x_[i] += v_[i] * h;
   }
 }
 
-void Cloth::SolveStretch(float h, bool forward, bool first) {
-  auto& x = state_.x;
+void Cloth::SolveLinks(float h, bool forward, bool first) {
   const float per_h2 = 1.0f / (h * h);
   const float tension = static_cast<float>(solver_.stretch_compliance_m_N) * per_h2;
   const float compression = static_cast<float>(solver_.compression_compliance_m_N) * per_h2;
   const float shear = static_cast<float>(solver_.shear_compliance_m_N) * per_h2;
-  const auto solve = [&](const ClothLink& link, float soft, float hard) {
-    const Vec3f d = x[link.b] - x[link.a];
-    const float length = d.norm();
-    const float c = length - link.rest_m;
-    // Compliant directions act once a substep: a second visit would double their stiffness.
-    if (length < 1e-9f || (c < 0 && !first)) return;
-    const float wa = inv_mass_[link.a], wb = inv_mass_[link.b];
-    const float lambda = c / ((wa + wb + (c < 0 ? soft : hard)) * length);
-    x[link.a] += d * (lambda * wa);
-    x[link.b] -= d * (lambda * wb);
-  };
-  if (first) {
-    for (const ClothLink& link : mesh_.shear) solve(link, std::max(compression, shear), shear);
-  }
-  if (forward) {
-    for (const ClothLink& link : mesh_.stretch) solve(link, compression, tension);
-  } else {
-    for (auto it = mesh_.stretch.rbegin(); it != mesh_.stretch.rend(); ++it) {
-      solve(*it, compression, tension);
-    }
-  }
+  // Compliant directions act once a substep: a second visit would double their
+  // stiffness.
+  if (first) shear_.Solve({shear, std::max(compression, shear), true, true}, x_);
+  stretch_.Solve({tension, compression, forward, first}, x_);
 }
 
 void Cloth::SolveTable() {
   const float floor = 0.5f * mesh_.thickness_m;
   const float mu = static_cast<float>(bag_.friction_table);
   const float most_up = static_cast<float>(solver_.separation_speed_m_s / solver_.substeps_per_s);
-  for (std::size_t i = 0; i < state_.x.size(); ++i) {
-    Vec3f& x = state_.x[i];
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    Vec4f& x = x_[i];
     if (x.z() >= floor) continue;
     const float target = std::min(floor, std::max(x_prev_[i].z(), 0.0f) + most_up);
     const float depth = target - x.z();
@@ -181,10 +188,10 @@ void Cloth::SolveTable() {
 
 void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
   candidates_.assign(shapes.size(), {});
-  lo_ = hi_ = state_.x.front();
-  for (const Vec3f& p : state_.x) {
-    lo_ = lo_.cwiseMin(p);
-    hi_ = hi_.cwiseMax(p);
+  lo_ = hi_ = At(0);
+  for (const Vec4f& p : x_) {
+    lo_ = lo_.cwiseMin(p.head<3>());
+    hi_ = hi_.cwiseMax(p.head<3>());
   }
   const float reach = kCandidateReach_m + 0.5f * mesh_.thickness_m;
   for (std::size_t s = 0; s < shapes.size(); ++s) {
@@ -195,8 +202,8 @@ void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
     if ((lo.array() > hi_.array()).any() || (hi.array() < lo_.array()).any()) continue;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const Sample& m = samples_[i];
-      Vec3f p = m.weight[0] * state_.x[m.node[0]];
-      for (int k = 1; k < m.count; ++k) p += m.weight[k] * state_.x[m.node[k]];
+      Vec3f p = m.weight[0] * At(m.node[0]);
+      for (int k = 1; k < m.count; ++k) p += m.weight[k] * At(m.node[k]);
       if ((p.array() < lo.array()).any() || (p.array() > hi.array()).any()) continue;
       candidates_[s].push_back(static_cast<int>(i));
     }
@@ -210,19 +217,20 @@ void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, fl
   const Eigen::Isometry3f X_SW_prev = shape.X_WS_prev.inverse();
   for (const int index : candidates) {
     const Sample& m = samples_[index];
-    Vec3f p = m.weight[0] * state_.x[m.node[0]];
-    Vec3f p_prev = m.weight[0] * x_prev_[m.node[0]];
+    Vec3f p = m.weight[0] * At(m.node[0]);
+    Vec3f p_prev = m.weight[0] * x_prev_[m.node[0]].head<3>();
     float w = m.weight[0] * m.weight[0] * inv_mass_[m.node[0]];
     for (int k = 1; k < m.count; ++k) {
-      p += m.weight[k] * state_.x[m.node[k]];
-      p_prev += m.weight[k] * x_prev_[m.node[k]];
+      p += m.weight[k] * At(m.node[k]);
+      p_prev += m.weight[k] * x_prev_[m.node[k]].head<3>();
       w += m.weight[k] * m.weight[k] * inv_mass_[m.node[k]];
     }
     const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
     Vec3f n_S;
     const float distance = SignedDistance(shape, p_S, n_S);
     if (distance >= gap) continue;
-    // As between layers: approach is stopped at once, old overlap undone slowly.
+    // As between layers: approach is stopped at once, old overlap undone
+    // slowly.
     const Vec3f p_S_prev = X_SW_prev * p_prev;
     Vec3f n_prev;
     const float before = SignedDistance(shape, p_S_prev, n_prev);
@@ -243,15 +251,14 @@ void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, fl
     }
     const Vec3f push = move / (w + w_body);
     for (int k = 0; k < m.count; ++k) {
-      state_.x[m.node[k]] += push * (m.weight[k] * inv_mass_[m.node[k]]);
+      x_[m.node[k]].head<3>() += push * (m.weight[k] * inv_mass_[m.node[k]]);
     }
     const Vec3f impulse = -push / h;
     shape.impulse += impulse;
     shape.angular_impulse += arm.cross(impulse);
-    if (n_S.x() > 0.7f) shape.impulse_plus_x += depth / (w + w_body) / h;
-    if (n_S.x() < -0.7f) shape.impulse_minus_x += depth / (w + w_body) / h;
     if (w_body > 0) {
-      // The body yields within the substep too, so that the next sample sees it where it will be.
+      // The body yields within the substep too, so that the next sample sees it
+      // where it will be.
       shape.X_WS.translation() += impulse * (shape.inv_mass * h);
       const Vec3f turn = shape.inv_inertia_W * arm.cross(impulse) * h;
       const float angle = turn.norm();
@@ -263,12 +270,32 @@ void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, fl
   }
 }
 
+// What contact could not push out of a kinematic body is caught between it and something else, and
+// thinner than it would be: it pushes back as compressed cloth does.
+void Cloth::MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates) const {
+  shape.squeeze.setZero();
+  shape.squeeze_minus_x = 0;
+  const float gap = 0.5f * mesh_.thickness_m;
+  for (const int index : candidates) {
+    const Sample& m = samples_[index];
+    Vec3f p = m.weight[0] * state_.x[m.node[0]];
+    for (int k = 1; k < m.count; ++k) p += m.weight[k] * state_.x[m.node[k]];
+    Vec3f n_S;
+    const float distance = SignedDistance(
+        shape, shape.X_WS.linear().transpose() * (p - shape.X_WS.translation()), n_S);
+    if (distance >= gap) continue;
+    const float overlap = std::min(gap - distance, 2 * gap);
+    const float force = kCompression_N_m3 * sample_area_m2_ * overlap;
+    shape.squeeze -= shape.X_WS.linear() * n_S * force;
+    if (n_S.x() < -0.7f) shape.squeeze_minus_x += force;
+  }
+}
+
 void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
   const float per_h2 = 1.0f / (h * h);
   for (HeldPoint& held : state_.held) {
-    const Vec3f p = held.weight[0] * state_.x[held.node[0]] +
-                    held.weight[1] * state_.x[held.node[1]] +
-                    held.weight[2] * state_.x[held.node[2]];
+    const Vec3f p = held.weight[0] * At(held.node[0]) + held.weight[1] * At(held.node[1]) +
+                    held.weight[2] * At(held.node[2]);
     float w = 0;
     for (int k = 0; k < 3; ++k) w += held.weight[k] * held.weight[k] * inv_mass_[held.node[k]];
     const Vec3f target = X_WT * held.p_T;
@@ -277,7 +304,7 @@ void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
     const float limit = held.share * state_.hold_limit_N;
     if (force > limit) push *= limit / force;  // the pads give what friction allows: it slips
     for (int k = 0; k < 3; ++k) {
-      state_.x[held.node[k]] += push * (held.weight[k] * inv_mass_[held.node[k]]);
+      x_[held.node[k]].head<3>() += push * (held.weight[k] * inv_mass_[held.node[k]]);
     }
     if (force > limit) held.p_T = X_WT.inverse() * (p + push * w);
     hold_force_N_ -= push * per_h2;
@@ -285,19 +312,20 @@ void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
 }
 
 void Cloth::Tether(const Eigen::Isometry3f& X_WT) {
-  // Long-range attachments (Kim, Chentanez, Mueller 2012): no node further from the hold than the
-  // cloth between them is long. Carries the load past what one sweep of the yarns reaches.
+  // Long-range attachments (Kim, Chentanez, Mueller 2012): no node further from
+  // the hold than the cloth between them is long. Carries the load past what
+  // one sweep of the yarns reaches.
   if (state_.tether_m.empty()) return;
   const float per_h = static_cast<float>(solver_.substeps_per_s);
-  for (std::size_t i = 0; i < state_.x.size(); ++i) {
+  for (std::size_t i = 0; i < x_.size(); ++i) {
     const HeldPoint& held = state_.held[state_.tether_to[i]];
     const Vec3f anchor = X_WT * held.p_T;
-    const Vec3f d = state_.x[i] - anchor;
+    const Vec3f d = At(i) - anchor;
     const float length2 = d.squaredNorm(), most = state_.tether_m[i];
     if (length2 <= most * most) continue;
     const float length = std::sqrt(length2);
     const Vec3f move = d * (most / length - 1.0f);
-    state_.x[i] += move;
+    x_[i].head<3>() += move;
     hold_force_N_ -= move * (per_h * per_h / inv_mass_[i]);
   }
 }
@@ -309,22 +337,26 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
   for (RigidShape& shape : shapes) {
     shape.impulse.setZero();
     shape.angular_impulse.setZero();
-    shape.impulse_minus_x = shape.impulse_plus_x = 0;
   }
   hold_force_N_.setZero();
-  contact_.Prepare(x_prev_, state_.x, static_cast<float>(solver_.separation_speed_m_s) * h);
+
   for (int k = 0; k < solver_.iterations; ++k) {
     SolveHold(h, X_WT);
     Tether(X_WT);
-    SolveStretch(h, k % 2 == 0, k == 0);
-    contact_.Solve(x_prev_, inv_mass_, state_.x);
+    SolveLinks(h, k % 2 == 0, k == 0);
+    contact_.Solve(x_prev_, inv_mass_, x_);
     for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
     SolveTable();
   }
-  contact_.Enforce(x_prev_, inv_mass_, 0.5f * mesh_.thickness_m, state_.x);
+  contact_.Enforce(x_prev_, inv_mass_, h, 0.5f * mesh_.thickness_m, x_);
   const float per_h = 1.0f / h;
-  for (std::size_t i = 0; i < state_.x.size(); ++i) {
-    state_.v[i] = (state_.x[i] - x_prev_[i]) * per_h;
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    v_[i] = (x_[i] - x_prev_[i]) * per_h;
+    state_.x[i] = x_[i].head<3>();
+    state_.v[i] = v_[i].head<3>();
+  }
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    if (shapes[s].inv_mass == 0) MeasureSqueeze(shapes[s], candidates_[s]);
   }
 }
 
@@ -391,11 +423,11 @@ void ForPointsBetween(const ClothMesh& mesh, const Vec3Array& x, const PadGap& g
 }  // namespace
 
 float Cloth::StackBetween(const PadGap& gap) const {
-  constexpr int kAcross = 4, kUp = 7;  // cells of about 5.5 mm
+  constexpr int kAcross = 2, kUp = 4;  // cells of about 11 x 9 mm
   std::array<float, kAcross * kUp> area{};
   ForPointsBetween(mesh_, state_.x, gap, [&](int, const Vec3f&, const Vec3f& p_T, float a) {
-    const int i = std::min(kAcross - 1, static_cast<int>((p_T.y() / gap.half_width_m + 1) * 0.5f *
-                                                         kAcross));
+    const int i =
+        std::min(kAcross - 1, static_cast<int>((p_T.y() / gap.half_width_m + 1) * 0.5f * kAcross));
     const int j = std::min(kUp - 1, static_cast<int>(-p_T.z() / gap.height_m * kUp));
     area[j * kAcross + i] += a;
   });
@@ -433,7 +465,8 @@ void Cloth::BeginHold(const PadGap& gap, float limit_N) {
   }
   state_.hold_limit_N = limit_N;
 
-  // Geodesic distance of every node from the held points, along yarns and diagonals (Dijkstra).
+  // Geodesic distance of every node from the held points, along yarns and
+  // diagonals (Dijkstra).
   const std::size_t n = state_.x.size();
   std::vector<std::vector<std::pair<int, float>>> neighbours(n);
   for (const auto* links : {&mesh_.stretch, &mesh_.shear}) {

@@ -6,12 +6,14 @@
 #include "sim/cloth/bag_config.h"
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/cloth_types.h"
+#include "sim/cloth/link_solver.h"
 #include "sim/cloth/rigid_shape.h"
 #include "sim/cloth/self_contact.h"
 
 namespace gusset {
 
-/// Cloth held between a gripper's pads: a material point bound to a place in the tool frame.
+/// Cloth held between a gripper's pads: a material point bound to a place in
+/// the tool frame.
 struct HeldPoint {
   std::array<int, 3> node{};
   Vec3f weight = Vec3f::Zero();  ///< Barycentric.
@@ -30,8 +32,8 @@ struct ClothState {
   float hold_limit_N = 0;
 };
 
-/// The volume between a gripper's pads, in the tool frame: |x| <= opening/2, |y| <= half_width,
-/// -height <= z <= 0.
+/// The volume between a gripper's pads, in the tool frame: |x| <= opening/2,
+/// |y| <= half_width, -height <= z <= 0.
 struct PadGap {
   Eigen::Isometry3f X_WT = Eigen::Isometry3f::Identity();
   float opening_m = 0;
@@ -39,12 +41,14 @@ struct PadGap {
   float height_m = 0.0375f;
 };
 
-/// A cloth stepped by extended position-based dynamics in small substeps (Macklin, Mueller,
-/// Chentanez 2016; Macklin et al. 2019): bending and air as forces, yarns as constraints, contact
-/// with itself, a table at z = 0 and rigid shapes, a gripper's hold with a force limit.
+/// A cloth stepped by extended position-based dynamics in small substeps
+/// (Macklin, Mueller, Chentanez 2016; Macklin et al. 2019): bending and air as
+/// forces, yarns as constraints, contact with itself, a table at z = 0 and
+/// rigid shapes, a gripper's hold with a force limit.
 class Cloth {
  public:
-  /// @throws InputError if the material cannot be stepped stably with the solver's settings.
+  /// @throws InputError if the material cannot be stepped stably with the
+  /// solver's settings.
   Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solver);
   Cloth(const Cloth&) = delete;
 
@@ -58,7 +62,8 @@ class Cloth {
   /// Constraints and contact; ends the substep. X_WT: the tool at its end.
   void SolveConstraints(float h, const Eigen::Isometry3f& X_WT, std::vector<RigidShape>& shapes);
 
-  /// Binds what lies between the pads to the tool, with a force limit shared by area.
+  /// Binds what lies between the pads to the tool, with a force limit shared by
+  /// area.
   void BeginHold(const PadGap& gap, float limit_N);
   void EndHold();
   bool holding() const { return !state_.held.empty(); }
@@ -74,17 +79,20 @@ class Cloth {
   bool gravity_on = true;
 
  private:
-  struct Sample {  ///< A point of the cloth that rigid shapes are tested against.
+  struct Sample {  ///< A point of the cloth that rigid shapes are tested
+                   ///< against.
     std::array<int, 3> node;
     std::array<float, 3> weight;
     int count;
   };
 
+  Vec3f At(std::size_t node) const { return x_[node].head<3>(); }
   void ApplyBending(float h);
   void ApplyAir(float h);
-  void SolveStretch(float h, bool forward, bool first);
+  void SolveLinks(float h, bool forward, bool first);
   void SolveTable();
   void SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h);
+  void MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates) const;
   void SolveHold(float h, const Eigen::Isometry3f& X_WT);
   void FindCandidates(const std::vector<RigidShape>& shapes);
   void Tether(const Eigen::Isometry3f& X_WT);
@@ -92,16 +100,18 @@ class Cloth {
   ClothMesh mesh_;
   BagConfig bag_;
   ClothSolverConfig solver_;
-  ClothState state_;
-  Vec3Array x_prev_;
+  ClothState state_;          ///< As of the last substep's end.
+  Vec4Array x_, x_prev_, v_;  ///< Of the substep under way.
   std::vector<float> inv_mass_;
+  LinkSolver stretch_, shear_;
   std::vector<Sample> samples_;
+  float sample_area_m2_ = 0;
   std::vector<std::vector<int>> candidates_;
   Vec3f lo_ = Vec3f::Zero(), hi_ = Vec3f::Zero();
   int since_candidates_ = 0;
   int since_air_ = 0;
-  Vec3Array air_;  ///< Force of the air per node, N.
-  Vec3Array bend_force_;
+  Vec4Array air_;  ///< Force of the air per node, N.
+  Vec4Array bend_force_, ahead_;
   SelfContact contact_;
   Vec3f hold_force_N_ = Vec3f::Zero();
 };

@@ -10,18 +10,19 @@ namespace gusset {
 struct RigidShape {
   enum class Kind { kBox, kSphere, kCylinder };  ///< Cylinder: axis along z.
   Kind kind = Kind::kBox;
-  Vec3f half = Vec3f::Zero();  ///< Box: half extents. Sphere: (r, r, r). Cylinder: (r, r, half length).
+  Vec3f half =
+      Vec3f::Zero();  ///< Box: half extents. Sphere: (r, r, r). Cylinder: (r, r, half length).
   Eigen::Isometry3f X_WS = Eigen::Isometry3f::Identity();       ///< At the substep's end.
   Eigen::Isometry3f X_WS_prev = Eigen::Isometry3f::Identity();  ///< At its start.
   float friction = 0.5f;
-  float inv_mass = 0;                                   ///< 1/kg.
+  float inv_mass = 0;  ///< 1/kg.
   Eigen::Matrix3f inv_inertia_W = Eigen::Matrix3f::Zero();
   /// What the cloth did to the body in this substep, momentum in N s and N m s about its centre.
   Vec3f impulse = Vec3f::Zero();
   Vec3f angular_impulse = Vec3f::Zero();
-  /// Pushes of the cloth against the body's -x and +x faces, N s; a gripper's pads read them.
-  float impulse_minus_x = 0;
-  float impulse_plus_x = 0;
+  /// Kinematic bodies: force (N) of cloth squeezed against something else, which yields no further.
+  Vec3f squeeze = Vec3f::Zero();
+  float squeeze_minus_x = 0;  ///< Its part on the body's -x face; a gripper's pads read it.
 };
 
 /// Distance (m, negative inside) of p_S from the shape's surface and the outward normal there.

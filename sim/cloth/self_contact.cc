@@ -1,436 +1,465 @@
 #include "sim/cloth/self_contact.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
-#include <set>
 
 #include "sim/cloth/closest_points.h"
 
 namespace gusset {
 namespace {
 
-// A node's margin covers this much time at its present speed, plus a base that covers what gravity
-// and contact change meanwhile. Tuned 2026-11 for the least time per second of dragging.
-constexpr float kMarginTime_s = 0.008f;
-constexpr float kBaseMargin_m = 0.0007f;
-constexpr float kMostMargin_m = 0.02f;
-// Corrections within a substep stay below this, or Enforce looks at all pairs again.
-constexpr float kSlop_m = 0.0004f;
-constexpr int kSweeps = 6;
-// Share of its margin by which a node must be beside a triangle to leave the force to a neighbour.
-constexpr float kGuardTolerance = 0.5f;
+// Tuned 2026-11 for the least time over dragging, lifting and crumpling
+// (docs/physics.md).
+constexpr MotionForecast::Setting kFar = {0.015f, 0.0008f, 0.3f};
+constexpr MotionForecast::Setting kNear = {0.007f, 0.0003f, 0.2f};
+constexpr float kTrust = 0.8f;  // share of a margin after which a forecast is made anew
+// A plane that has turned until it separates by less than this share of the gap
+// is placed anew.
+constexpr float kTilted = 0.8f;
+constexpr int kSweeps = 15;
+constexpr int kAttempts = 4;
+// Clearances below this never shrink: positions near 1 m are rounded to 6e-8 m.
+constexpr float kLeastKept_m = 1e-5f;
+constexpr float kRounding_m = 1e-7f;
 
-Vec3f MeanMotion(const Vec3Array& x, const Vec3Array& x0) {
-  Vec3f sum = Vec3f::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i] - x0[i];
-  return sum / static_cast<float>(x.size());
-}
+Float4 Vector(const Vec4f& v) { return Float4::Load(v.data()); }
+
+float Dot(Float4 a, Float4 b) { return Sum3(a * b); }
 
 }  // namespace
 
 SelfContact::SelfContact(const ClothMesh& mesh, float friction)
-    : mesh_(mesh), thickness_m_(mesh.thickness_m), friction_(friction) {
-  const int rows = static_cast<int>(mesh.patch_rows.size()) / mesh.layers;
-  columns_ = static_cast<int>(mesh.patch_rows.front().size());
-  for (const auto& row : mesh.patch_rows) {
-    for (const ClothPatch& patch : row) {
-      patches_.push_back(patch);
-      std::array<int, 4> corner{};
-      const auto& t0 = mesh.triangles[patch.triangles[0]];
-      const auto& t1 = mesh.triangles[patch.triangles[1]];
-      corner = {t0[0], t0[1], t0[2], t1[0]};
-      for (const int n : t1) {
-        if (n != t0[0] && n != t0[1] && n != t0[2]) corner[3] = n;
-      }
-      corner_.push_back(corner);
-    }
-  }
-  for (int layer = 0; layer < mesh.layers; ++layer) {
-    roots_.push_back(BuildTree(layer * rows, (layer + 1) * rows, 0, columns_));
-  }
-  std::vector<char> corner_owned(mesh.rest.size(), 0);
-  std::set<std::array<int, 2>> edge_owned;
-  for (const auto& t : mesh.triangles) {
-    std::uint8_t owned = 0;
-    for (int k = 0; k < 3; ++k) {
-      const int a = t[k], b = t[(k + 1) % 3];
-      if (!corner_owned[a]) owned |= static_cast<std::uint8_t>(1 << k);
-      corner_owned[a] = 1;
-      if (edge_owned.insert({std::min(a, b), std::max(a, b)}).second) {
-        owned |= static_cast<std::uint8_t>(8 << k);
-      }
-    }
-    owned_.push_back(owned);
-  }
-  margin_m_.assign(mesh.rest.size(), 0.0f);
-  move_m_.assign(mesh.rest.size(), 0.0f);
-  step_m_.assign(mesh.rest.size(), 0.0f);
+    : mesh_(mesh), thickness_m_(mesh.thickness_m), friction_(friction), pair_search_(mesh) {}
+
+void SelfContact::Invalidate() {
+  far_.Invalidate();
+  near_.Invalidate();
 }
 
-int SelfContact::BuildTree(int row0, int row1, int col0, int col1) {
-  TreeNode node;
-  if (row1 - row0 == 1 && col1 - col0 == 1) {
-    node.patch = row0 * columns_ + col0;
-  } else if (row1 - row0 >= col1 - col0) {
-    const int mid = (row0 + row1) / 2;
-    node.left = BuildTree(row0, mid, col0, col1);
-    node.right = BuildTree(mid, row1, col0, col1);
-  } else {
-    const int mid = (col0 + col1) / 2;
-    node.left = BuildTree(row0, row1, col0, mid);
-    node.right = BuildTree(row0, row1, mid, col1);
-  }
-  tree_.push_back(node);
-  return static_cast<int>(tree_.size()) - 1;
-}
-
-void SelfContact::Box::Set(const Vec3f& low, const Vec3f& high, float grow) {
-  lo << low.x() - grow, low.y() - grow, low.z() - grow, 0.0f;
-  hi << high.x() + grow, high.y() + grow, high.z() + grow, 0.0f;
-}
-
-// Boxes of elements, each grown by half a thickness and its own margin, and of the tree above them.
-void SelfContact::Refit(const Vec3Array& x) {
-  const float half = 0.5f * thickness_m_;
-  node_box_.resize(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) node_box_[i].Set(x[i], x[i], half + margin_m_[i]);
-  edge_box_.resize(mesh_.edges.size());
-  for (std::size_t i = 0; i < mesh_.edges.size(); ++i) {
-    const auto& e = mesh_.edges[i];
-    edge_box_[i].Set(x[e[0]].cwiseMin(x[e[1]]), x[e[0]].cwiseMax(x[e[1]]),
-                     half + std::max(margin_m_[e[0]], margin_m_[e[1]]));
-  }
-  triangle_box_.resize(mesh_.triangles.size());
-  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-    const auto& t = mesh_.triangles[i];
-    triangle_box_[i].Set(x[t[0]].cwiseMin(x[t[1]]).cwiseMin(x[t[2]]),
-                         x[t[0]].cwiseMax(x[t[1]]).cwiseMax(x[t[2]]),
-                         half + std::max(margin_m_[t[0]], std::max(margin_m_[t[1]],
-                                                                   margin_m_[t[2]])));
-  }
-  for (TreeNode& node : tree_) {
-    const Box& a = node.patch >= 0 ? triangle_box_[patches_[node.patch].triangles[0]]
-                                   : tree_[node.left].box;
-    const Box& b = node.patch >= 0 ? triangle_box_[patches_[node.patch].triangles[1]]
-                                   : tree_[node.right].box;
-    node.box.lo = a.lo.min(b.lo);
-    node.box.hi = a.hi.max(b.hi);
-  }
-}
-
-void SelfContact::Detect(const Vec3Array& x, const Vec3Array& v) {
-  Vec3f mean = Vec3f::Zero();
-  for (const Vec3f& vi : v) mean += vi;
-  mean /= static_cast<float>(v.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    margin_m_[i] = std::min(kBaseMargin_m + kMarginTime_s * (v[i] - mean).norm(), kMostMargin_m);
-  }
-  detected_x_ = x;
-  pairs_.clear();
-  Refit(x);
-  for (std::size_t i = 0; i < roots_.size(); ++i) {
-    SelfPairs(roots_[i], x);
-    for (std::size_t j = i + 1; j < roots_.size(); ++j) CrossPairs(roots_[i], roots_[j], x);
-  }
-  valid_ = true;
+void SelfContact::Search(const Vec4Array& x, const Vec4Array& v) {
+  far_.Start(kFar, x, v);
+  pair_search_.Find(far_, node_triangle_, edge_edge_);
   ++detections_;
 }
 
-void SelfContact::SelfPairs(int node, const Vec3Array& x) {
-  const TreeNode& n = tree_[node];
-  if (n.patch >= 0) return;
-  SelfPairs(n.left, x);
-  SelfPairs(n.right, x);
-  CrossPairs(n.left, n.right, x);
-}
-
-void SelfContact::CrossPairs(int a, int b, const Vec3Array& x) {
-  const TreeNode& na = tree_[a];
-  const TreeNode& nb = tree_[b];
-  if (!na.box.Overlaps(nb.box)) return;
-  if (na.patch >= 0 && nb.patch >= 0) {
-    PatchPairs(patches_[na.patch], patches_[nb.patch], x);
-  } else if (nb.patch >= 0 || (na.patch < 0 && a > b)) {
-    CrossPairs(na.left, b, x);
-    CrossPairs(na.right, b, x);
-  } else {
-    CrossPairs(a, nb.left, x);
-    CrossPairs(a, nb.right, x);
-  }
-}
-
-void SelfContact::PatchPairs(const ClothPatch& a, const ClothPatch& b, const Vec3Array& x) {
-  for (const int n : a.nodes) {
-    for (const int t : b.triangles) {
-      if (node_box_[n].Overlaps(triangle_box_[t])) AddNodeTriangle(n, t, x);
-    }
-  }
-  for (const int n : b.nodes) {
-    for (const int t : a.triangles) {
-      if (node_box_[n].Overlaps(triangle_box_[t])) AddNodeTriangle(n, t, x);
-    }
-  }
-  for (const int e : a.edges) {
-    for (const int f : b.edges) {
-      if (edge_box_[e].Overlaps(edge_box_[f])) AddEdgeEdge(e, f, x);
-    }
-  }
-}
-
-void SelfContact::AddNodeTriangle(int node, int triangle, const Vec3Array& x) {
-  const auto& t = mesh_.triangles[triangle];
-  if (node == t[0] || node == t[1] || node == t[2]) return;
-  const float reach = thickness_m_ + margin_m_[node] +
-                      std::max(margin_m_[t[0]], std::max(margin_m_[t[1]], margin_m_[t[2]]));
-  const Vec3f& p = x[node];
-  const Vec3f b = ClosestOnTriangle(p, x[t[0]], x[t[1]], x[t[2]]);
-  const Vec3f gap = p - b[0] * x[t[0]] - b[1] * x[t[1]] - b[2] * x[t[2]];
-  const float d = gap.norm();
-  if (d > reach) return;
-  // A border point that other triangles share stays theirs while the node cannot get over this one.
-  bool guard = !Owns(triangle, b);
-  if (guard) {
-    const Vec3f normal = (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
-    const float off = gap.dot(normal) / std::max(normal.norm(), 1e-12f);
-    const float beside = std::sqrt(std::max(0.0f, d * d - off * off));
-    guard = beside > kGuardTolerance * (reach - thickness_m_);
-  }
-  pairs_.push_back({{static_cast<std::uint16_t>(node), static_cast<std::uint16_t>(t[0]),
-                     static_cast<std::uint16_t>(t[1]), static_cast<std::uint16_t>(t[2])},
-                    d,
-                    false,
-                    guard,
-                    static_cast<std::uint16_t>(triangle)});
-}
-
-void SelfContact::AddEdgeEdge(int e, int f, const Vec3Array& x) {
-  const auto& a = mesh_.edges[e];
-  const auto& b = mesh_.edges[f];
-  if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) return;
-  const float reach = thickness_m_ + std::max(margin_m_[a[0]], margin_m_[a[1]]) +
-                      std::max(margin_m_[b[0]], margin_m_[b[1]]);
-  const Vec3f &p0 = x[a[0]], &p1 = x[a[1]], &q0 = x[b[0]], &q1 = x[b[1]];
-  const Eigen::Vector2f st = ClosestOnSegments(p0, p1, q0, q1);
-  const float d = (p0 + st[0] * (p1 - p0) - q0 - st[1] * (q1 - q0)).norm();
-  if (d > reach) return;
-  pairs_.push_back({{static_cast<std::uint16_t>(a[0]), static_cast<std::uint16_t>(a[1]),
-                     static_cast<std::uint16_t>(b[0]), static_cast<std::uint16_t>(b[1])},
-                    d,
-                    true,
-                    st[0] <= 0 || st[0] >= 1 || st[1] <= 0 || st[1] >= 1,
-                    0});
-}
-
-// True if `triangle` is the one that carries a contact at this point of it.
-bool SelfContact::Owns(int triangle, const Vec3f& b) const {
-  const int zeros = (b[0] <= 0) + (b[1] <= 0) + (b[2] <= 0);
-  if (zeros == 0) return true;
-  for (int k = 0; k < 3; ++k) {
-    if (zeros == 2 && b[k] > 0) return owned_[triangle] >> k & 1;
-    if (zeros == 1 && b[(k + 2) % 3] <= 0) return owned_[triangle] >> (3 + k) & 1;
-  }
-  return true;
-}
-
-bool SelfContact::Stale(const Vec3Array& x) const {
-  if (!valid_) return true;
-  const Vec3f mean = MeanMotion(x, detected_x_);
+// Turns pairs that may meet within the near forecast into contacts.
+void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
+  near_.Start(kNear, x, v);
+  from_.resize(x.size());
+  to_.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const float limit = 0.7f * margin_m_[i];
-    if ((x[i] - detected_x_[i] - mean).squaredNorm() > limit * limit) return true;
+    from_[i] = x[i] - far_.start()[i];
+    to_[i] = from_[i] + near_.way()[i];
+    to_[i][3] = near_.way()[i][3];  // the margin rides along
+  }
+  contacts_.clear();
+  guards_.clear();
+  SelectFrom(node_triangle_, x);
+  SelectFrom(edge_edge_, x);
+  force_count_ = contacts_.size();
+  contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
+  ++selections_;
+}
+
+void SelfContact::SelectFrom(const std::vector<ElementPair>& pairs, const Vec4Array& x) {
+  // Pairs whose distance can fall below what matters. An element's points move
+  // by a mean of its nodes' moves, so the largest difference of two nodes'
+  // moves bounds the change of distance.
+  picked_.clear();
+  approach_m_.clear();
+  const auto widest = [](Float4 a, Float4 b, Float4 c) { return Max(Abs(a), Max(Abs(b), Abs(c))); };
+  for (const ElementPair& pair : pairs) {
+    const auto& n = pair.node;
+    const Float4 p0 = Vector(from_[n[0]]), p1 = Vector(from_[n[1]]), p2 = Vector(from_[n[2]]),
+                 p3 = Vector(from_[n[3]]);
+    const Float4 q0 = Vector(to_[n[0]]), q1 = Vector(to_[n[1]]), q2 = Vector(to_[n[2]]),
+                 q3 = Vector(to_[n[3]]);
+    Float4 move = Max(widest(p0 - p2, p0 - p3, p0 - p1), widest(q0 - q2, q0 - q3, q0 - q1));
+    float margin;
+    if (pair.edges) {
+      move = Max(Max(Max(Abs(p0 - p2), Abs(p0 - p3)), Max(Abs(p1 - p2), Abs(p1 - p3))),
+                 Max(Max(Abs(q0 - q2), Abs(q0 - q3)), Max(Abs(q1 - q2), Abs(q1 - q3))));
+      margin = std::max(to_[n[0]][3], to_[n[1]][3]) + std::max(to_[n[2]][3], to_[n[3]][3]);
+    } else {
+      margin = to_[n[0]][3] + std::max(to_[n[1]][3], std::max(to_[n[2]][3], to_[n[3]][3]));
+    }
+    const float slack =
+        pair.distance_m - margin - thickness_m_ * (pair.guard ? kGuardedShare : 1.0f);
+    if (slack > 0 && Dot(move, move) < slack * slack) continue;
+    Contact c;
+    c.node = n;
+    c.triangle = pair.triangle;
+    c.edges = pair.edges;
+    c.force = !pair.guard;
+    picked_.push_back(c);
+    // From here on, only the near forecast's own way counts.
+    const Float4 w0 = q0 - p0, w1 = q1 - p1, w2 = q2 - p2, w3 = q3 - p3;
+    const Float4 way = pair.edges
+                           ? Max(Max(Abs(w0 - w2), Abs(w0 - w3)), Max(Abs(w1 - w2), Abs(w1 - w3)))
+                           : widest(w0 - w1, w0 - w2, w0 - w3);
+    approach_m_.push_back(std::sqrt(Dot(way, way)) + margin);
+  }
+  if (picked_.empty()) return;
+  for (std::size_t i = 0; i < picked_.size(); i += 4) {
+    std::array<Contact*, 4> four;
+    for (std::size_t k = 0; k < 4; ++k) four[k] = &picked_[std::min(i + k, picked_.size() - 1)];
+    Place(four, x);
+  }
+  for (std::size_t i = 0; i < picked_.size(); ++i) {
+    Contact& c = picked_[i];
+    if (c.force) {
+      const auto& w = c.weight;
+      // An end of an edge is a node, and node against triangle carries its
+      // contact.
+      c.force = c.edges ? w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0
+                        : pair_search_.Owns(c.triangle, {-w[1], -w[2], -w[3]});
+    }
+    if (c.gap_m > approach_m_[i] + thickness_m_ * (c.force ? 1.0f : kGuardedShare)) continue;
+    (c.force ? contacts_ : guards_).push_back(c);
+  }
+}
+
+// Closest points of four pairs of one kind at x: weights, normal, distance.
+void SelfContact::Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const {
+  const auto at = [&](int k) {
+    return Gather(x.data(), contacts[0]->node[k], contacts[1]->node[k], contacts[2]->node[k],
+                  contacts[3]->node[k]);
+  };
+  const Vec3x4 p0 = at(0), p1 = at(1), p2 = at(2), p3 = at(3);
+  Float4 w0, w1, w2, w3;
+  if (contacts[0]->edges) {
+    const SegmentPoints4 st = ClosestOnSegments(p0, p1, p2, p3);
+    w0 = Float4(1.0f) - st.s;
+    w1 = st.s;
+    w2 = st.t - 1.0f;
+    w3 = Float4(0.0f) - st.t;
+  } else {
+    const Barycentric4 b = ClosestOnTriangle(p0, p1, p2, p3);
+    w0 = 1.0f;
+    w1 = Float4(0.0f) - b.a;
+    w2 = Float4(0.0f) - b.b;
+    w3 = Float4(0.0f) - b.c;
+  }
+  // Differences, not positions, are weighted: the weights' sum is zero, and far
+  // from the origin the positions' rounding would show.
+  const Vec3x4 gap = contacts[0]->edges ? (p0 - p2) + (p1 - p0) * w1 + (p3 - p2) * w3
+                                        : (p0 - p1) + (p2 - p1) * w2 + (p3 - p1) * w3;
+  const Float4 distance = Sqrt(Dot(gap, gap));
+  const Vec3x4 normal = gap * (Float4(1.0f) / Max(distance, 1e-12f));
+  Float4 rows[4] = {normal.x, normal.y, normal.z, Float4()};
+  Transpose(rows[0], rows[1], rows[2], rows[3]);
+  Transpose(w0, w1, w2, w3);
+  const Float4 weights[4] = {w0, w1, w2, w3};
+  alignas(16) float length[4];
+  distance.Store(length);
+  for (int k = 0; k < 4; ++k) {
+    Contact& c = *contacts[k];
+    rows[k].Store(c.normal.data());
+    alignas(16) float w[4];
+    weights[k].Store(w);
+    c.weight = {w[0], w[1], w[2], w[3]};
+    c.gap_m = c.clear_m = length[k];
+    if (length[k] > 1e-9f) continue;
+    // Touching exactly: any direction across the second element will do.
+    const auto p = [&](int j) { return Vec3f(x[c.node[j]].head<3>()); };
+    const Vec3f across =
+        c.edges ? (p(1) - p(0)).cross(p(3) - p(2)) : (p(2) - p(1)).cross(p(3) - p(1));
+    const float norm = across.norm();
+    c.normal = Vec4f::UnitZ();
+    if (norm > 0) c.normal.head<3>() = across / norm;
+  }
+}
+
+namespace {
+
+// Heights of four contacts' nodes above their node 0, along their normals.
+template <class Contact>
+struct Heights {
+  Float4 h1, h2, h3, edges;
+  Heights(const Contact* const c[4], const Vec4Array& x) {
+    const auto at = [&](int k) {
+      return Gather(x.data(), c[0]->node[k], c[1]->node[k], c[2]->node[k], c[3]->node[k]);
+    };
+    Float4 n0 = Vector(c[0]->normal), n1 = Vector(c[1]->normal), n2 = Vector(c[2]->normal),
+           n3 = Vector(c[3]->normal);
+    Transpose(n0, n1, n2, n3);
+    const Vec3x4 n = {n0, n1, n2}, p0 = at(0);
+    h1 = Dot(n, at(1) - p0);
+    h2 = Dot(n, at(2) - p0);
+    h3 = Dot(n, at(3) - p0);
+    alignas(16) float kind[4];
+    for (int k = 0; k < 4; ++k) kind[k] = c[k]->edges ? 1.0f : 0.0f;
+    edges = Float4(0.0f) < Float4::Load(kind);
+  }
+  // Lowest node of the first element over the highest of the second.
+  Float4 Clearance() const {
+    const Float4 low = Select(edges, Min(h1, 0.0f), 0.0f);
+    return low - Max(Max(h2, h3), Select(edges, h2, h1));
+  }
+};
+
+}  // namespace
+
+// Gap and clearance of all contacts at the substep's start; planes that have
+// turned are placed anew.
+void SelfContact::Measure(const Vec4Array& x) {
+  const std::size_t count = contacts_.size();
+  violated_.clear();
+  for (std::size_t i = 0; i < count; i += 4) {
+    const Contact* c[4];
+    for (std::size_t k = 0; k < 4; ++k) c[k] = &contacts_[std::min(i + k, count - 1)];
+    const Heights<Contact> h(c, x);
+    alignas(16) float w1[4], w2[4], w3[4];
+    for (int k = 0; k < 4; ++k)
+      w1[k] = c[k]->weight[1], w2[k] = c[k]->weight[2], w3[k] = c[k]->weight[3];
+    const Float4 gap = h.h1 * Float4::Load(w1) + h.h2 * Float4::Load(w2) + h.h3 * Float4::Load(w3);
+    const Float4 clear = h.Clearance();
+    const int turned = Bits(clear < gap * kTilted);
+    alignas(16) float g[4], cl[4];
+    gap.Store(g);
+    clear.Store(cl);
+    for (std::size_t k = 0; k < std::min<std::size_t>(4, count - i); ++k) {
+      contacts_[i + k].gap_m = g[k];
+      contacts_[i + k].clear_m = cl[k];
+      if (turned >> k & 1) violated_.push_back(static_cast<int>(i + k));
+    }
+  }
+  std::array<Contact*, 4> four{};
+  for (const bool edges : {false, true}) {
+    int filled = 0;
+    const auto flush = [&] {
+      if (filled == 0) return;
+      for (int k = filled; k < 4; ++k) four[k] = four[0];
+      Place(four, x);
+      filled = 0;
+    };
+    for (const int i : violated_) {
+      if (contacts_[i].edges != edges) continue;
+      four[filled++] = &contacts_[i];
+      if (filled == 4) flush();
+    }
+    flush();
+  }
+}
+
+void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float separation_m) {
+  if (far_.WorstError(x) > kTrust) {
+    Search(x, v);
+    Select(x, v);
+  } else if (near_.WorstError(x) > kTrust) {
+    Select(x, v);
+  } else {
+    Measure(x);
+  }
+  far_.Age(h);
+  near_.Age(h);
+  for (std::size_t i = 0; i < force_count_; ++i) {
+    contacts_[i].target_m = std::min(thickness_m_, contacts_[i].gap_m + separation_m);
+  }
+}
+
+void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, Vec4Array& x) {
+  for (std::size_t i = 0; i < force_count_; ++i) {
+    const Contact& c = contacts_[i];
+    const auto& n = c.node;
+    const Float4 s0 = c.weight[0], s1 = c.weight[1], s2 = c.weight[2], s3 = c.weight[3];
+    const Float4 normal = Vector(c.normal);
+    const Float4 gap =
+        s0 * Vector(x[n[0]]) + s1 * Vector(x[n[1]]) + (s2 * Vector(x[n[2]]) + s3 * Vector(x[n[3]]));
+    const float depth = c.target_m - Dot(normal, gap);
+    if (depth <= 0) continue;
+    const auto& s = c.weight;
+    const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
+                    s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
+    // Coulomb friction on the slip of this substep (Mueller et al. 2007,
+    // section 3.5).
+    const Float4 slip3 = gap - (s0 * Vector(x_prev[n[0]]) + s1 * Vector(x_prev[n[1]]) +
+                                (s2 * Vector(x_prev[n[2]]) + s3 * Vector(x_prev[n[3]])));
+    const Float4 slip = slip3 - normal * Float4(Dot(normal, slip3));
+    const float slip2 = Dot(slip, slip);
+    const float most = friction_ * depth;
+    const float share = slip2 > most * most ? most / std::sqrt(slip2) : 1.0f;
+    const Float4 push = (normal * Float4(depth) - slip * Float4(share)) * Float4(1.0f / w);
+    for (int k = 0; k < 4; ++k) {
+      (Vector(x[n[k]]) + push * Float4(s[k] * inv_mass[n[k]])).Store(x[n[k]].data());
+    }
+  }
+}
+
+// What must be left of a contact's clearance at the substep's end: no less than
+// half of it, and nothing may be lost of the last micrometres.
+float SelfContact::LeastClearance(const Contact& c) const {
+  if (c.clear_m <= kLeastKept_m) return c.clear_m;
+  return std::min(0.1f * thickness_m_, std::max(0.5f * c.clear_m, kLeastKept_m));
+}
+
+// The sweeps stop here; only rounding may take from what never shrinks.
+float SelfContact::AcceptedClearance(const Contact& c) const {
+  return c.clear_m <= kLeastKept_m ? c.clear_m - kRounding_m : 0.9f * LeastClearance(c);
+}
+
+// The extreme nodes' distance along the normal: positive while a plane
+// separates the elements.
+float SelfContact::Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const {
+  std::array<float, 4> h{};
+  for (int k = 1; k < 4; ++k) {
+    h[k] = Dot(Vector(c.normal), Vector(x[c.node[k]]) - Vector(x[c.node[0]]));
+  }
+  int low = 0, high = 3;
+  if (c.edges) {
+    low = h[1] < 0 ? 1 : 0;
+    high = h[3] > h[2] ? 3 : 2;
+  } else {
+    high = h[2] > h[1] ? 2 : 1;
+    high = h[3] > h[high] ? 3 : high;
+  }
+  first = c.node[low];
+  second = c.node[high];
+  return h[low] - h[high];
+}
+
+// Lists contacts that have lost too much clearance at x.
+bool SelfContact::FindViolated(const Vec4Array& x) {
+  violated_.clear();
+  const std::size_t count = contacts_.size();
+  for (std::size_t i = 0; i < count; i += 4) {
+    const Contact* c[4];
+    alignas(16) float least[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      c[k] = &contacts_[std::min(i + k, count - 1)];
+      least[k] = AcceptedClearance(*c[k]);
+    }
+    const int lacking = Bits(Heights<Contact>(c, x).Clearance() < Float4::Load(least));
+    for (std::size_t k = 0; lacking != 0 && k < std::min<std::size_t>(4, count - i); ++k) {
+      if (lacking >> k & 1) violated_.push_back(static_cast<int>(i + k));
+    }
+  }
+  return !violated_.empty();
+}
+
+// Gauss-Seidel on violated planes. True if none is left.
+bool SelfContact::PushApart(const std::vector<float>& inv_mass, Vec4Array& x) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const int i : violated_) {
+      const Contact& c = contacts_[i];
+      int first, second;
+      const float lack = LeastClearance(c) - Clearance(c, x, first, second);
+      if (lack <= 0) continue;
+      const Vec4f push = c.normal * (1.02f * lack / (inv_mass[first] + inv_mass[second]));
+      x[first] += push * inv_mass[first];
+      x[second] -= push * inv_mass[second];
+    }
+    if (!FindViolated(x)) return true;
   }
   return false;
 }
 
-void SelfContact::UpdateMoves(const Vec3Array& x) {
-  const Vec3f mean = MeanMotion(x, detected_x_);
-  for (std::size_t i = 0; i < x.size(); ++i) move_m_[i] = (x[i] - detected_x_[i] - mean).norm();
-}
-
-// The pair's distance cannot be less than this now: each element moved by at most its nodes' moves.
-float SelfContact::LeastDistance(const Pair& pair) const {
-  const float m0 = move_m_[pair.node[0]], m1 = move_m_[pair.node[1]];
-  const float m2 = move_m_[pair.node[2]], m3 = move_m_[pair.node[3]];
-  const float moved =
-      pair.edges ? std::max(m0, m1) + std::max(m2, m3) : m0 + std::max(m1, std::max(m2, m3));
-  return pair.distance_m - moved;
-}
-
-SelfContact::Contact SelfContact::MakeContact(const Pair& pair, const Vec3Array& x_prev,
-                                              float separation_m) const {
-  Contact c;
-  for (int k = 0; k < 4; ++k) c.node[k] = pair.node[k];
-  c.edges = pair.edges;
-  c.guard = pair.guard;
-  const Vec3f &x0 = x_prev[c.node[0]], &x1 = x_prev[c.node[1]], &x2 = x_prev[c.node[2]],
-              &x3 = x_prev[c.node[3]];
-  Vec3f first;
-  if (pair.edges) {
-    const Eigen::Vector2f st = ClosestOnSegments(x0, x1, x2, x3);
-    c.weight = {1 - st[0], st[0], st[1] - 1, -st[1]};
-    // An end of an edge is a node, and node against triangle carries its contact.
-    c.guard = st[0] <= 0 || st[0] >= 1 || st[1] <= 0 || st[1] >= 1;
-    first = x0 + st[0] * (x1 - x0);
-    c.origin = x2 + st[1] * (x3 - x2);
-  } else {
-    const Vec3f b = ClosestOnTriangle(x0, x1, x2, x3);
-    c.weight = {1, -b[0], -b[1], -b[2]};
-    c.guard = !Owns(pair.triangle, b);
-    first = x0;
-    c.origin = b[0] * x1 + b[1] * x2 + b[2] * x3;
-  }
-  const Vec3f gap = first - c.origin;
-  c.distance_m = gap.norm();
-  if (c.distance_m > 1e-9f) {
-    c.normal = gap / c.distance_m;
-  } else {  // touching exactly: any direction across the second element will do
-    const Vec3f across = pair.edges ? (x1 - x0).cross(x3 - x2) : (x2 - x1).cross(x3 - x1);
-    c.normal = across.norm() > 0 ? Vec3f(across.normalized()) : Vec3f(Vec3f::UnitZ());
-  }
-  c.target_m = std::min(thickness_m_, c.distance_m + separation_m);
-  return c;
-}
-
-void SelfContact::Prepare(const Vec3Array& x_prev, const Vec3Array& x, float separation_m) {
-  UpdateMoves(x);
-  contacts_.clear();
-  has_contact_.assign(pairs_.size(), 0);
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (pairs_[i].guard || LeastDistance(pairs_[i]) > thickness_m_ + kSlop_m) continue;
-    const Contact c = MakeContact(pairs_[i], x_prev, separation_m);
-    if (c.guard) continue;
-    has_contact_[i] = 1;
-    contacts_.push_back(c);
-  }
-  force_count_ = contacts_.size();
-}
-
-void SelfContact::Solve(const Vec3Array& x_prev, const std::vector<float>& inv_mass, Vec3Array& x) {
-  for (std::size_t i = 0; i < force_count_; ++i) {
-    const Contact& c = contacts_[i];
-    const auto& n = c.node;
-    const auto& s = c.weight;
-    const Vec3f gap = s[0] * x[n[0]] + s[1] * x[n[1]] + s[2] * x[n[2]] + s[3] * x[n[3]];
-    const float depth = c.target_m - c.normal.dot(gap);
-    if (depth <= 0) continue;
-    const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
-                    s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
-    // Coulomb friction on the slip of this substep (Mueller et al. 2007, section 3.5).
-    const Vec3f slip3 = gap - s[0] * x_prev[n[0]] - s[1] * x_prev[n[1]] - s[2] * x_prev[n[2]] -
-                        s[3] * x_prev[n[3]];
-    const Vec3f slip = slip3 - c.normal * c.normal.dot(slip3);
-    const float slip_m = slip.norm();
-    const float most = friction_ * depth;
-    const float share = slip_m > most ? most / slip_m : 1.0f;
-    const Vec3f push = (c.normal * depth - slip * share) / w;
-    for (int k = 0; k < 4; ++k) x[n[k]] += push * (s[k] * inv_mass[n[k]]);
-  }
-}
-
-// True if the substep's motion is too short to bring the pair near a crossing.
-bool SelfContact::CannotCross(const Contact& c) const {
-  const auto& n = c.node;
-  const float first = c.edges ? std::max(step_m_[n[0]], step_m_[n[1]]) : step_m_[n[0]];
-  const float second = c.edges ? std::max(step_m_[n[2]], step_m_[n[3]])
-                               : std::max(step_m_[n[1]], std::max(step_m_[n[2]], step_m_[n[3]]));
-  return 0.5f * c.distance_m > first + second && 0.9f * c.distance_m - first - second > 0.1f * thickness_m_;
-}
-
-// Distance between the extreme nodes of the two elements along the normal: positive while a plane
-// separates them.
-float SelfContact::Clearance(const Contact& c, const Vec3Array& x, int& first, int& second) const {
-  float h[4];
-  for (int k = 0; k < 4; ++k) h[k] = c.normal.dot(x[c.node[k]] - c.origin);
-  int lo = 0, hi;
-  if (c.edges) {
-    lo = h[1] < h[0] ? 1 : 0;
-    hi = h[3] > h[2] ? 3 : 2;
-  } else {
-    hi = h[2] > h[1] ? 2 : 1;
-    hi = h[3] > h[hi] ? 3 : hi;
-  }
-  first = c.node[lo];
-  second = c.node[hi];
-  return h[lo] - h[hi];
-}
-
-void SelfContact::Enforce(const Vec3Array& x_prev, const std::vector<float>& inv_mass,
-                          float floor_m, Vec3Array& x) {
-  // No node may leave the margin its pairs were searched with.
-  const Vec3f mean = MeanMotion(x, detected_x_);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3f move = x[i] - detected_x_[i] - mean;
-    const float length = move.norm();
-    if (length > margin_m_[i]) x[i] -= move * (1.0f - margin_m_[i] / length);
-  }
-  // Pairs that carried no force but may have come close to crossing.
-  UpdateMoves(x);
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (has_contact_[i] || LeastDistance(pairs_[i]) > 0.2f * thickness_m_) continue;
-    contacts_.push_back(MakeContact(pairs_[i], x_prev, 0));
-  }
-  const Vec3f step = MeanMotion(x, x_prev);
-  for (std::size_t i = 0; i < x.size(); ++i) step_m_[i] = (x[i] - x_prev[i] - step).norm();
-  int first, second;
-  const auto least = [&](const Contact& c) {
-    return std::min(0.1f * thickness_m_, 0.5f * c.distance_m);
-  };
-  bool crossing = true;
-  for (int sweep = 0; sweep < kSweeps && crossing; ++sweep) {
-    crossing = false;
-    for (const Contact& c : contacts_) {
-      if (sweep == 0 && CannotCross(c)) continue;
-      const float lack = least(c) - Clearance(c, x, first, second);
-      if (lack <= 0) continue;
-      crossing = true;
-      const float w = inv_mass[first] + inv_mass[second];
-      const Vec3f push = c.normal * ((1.02f * lack + 1e-7f) / w);
-      x[first] += push * inv_mass[first];
-      x[second] -= push * inv_mass[second];
-    }
-  }
-  if (!crossing) return;
-
-  // Rigid zones: nodes joined by a violated pair share one displacement; zones grow until none is.
-  std::vector<int> zone(x.size());
+// Nodes joined by a violated contact form a zone, which moves rigidly but for
+// the share of its inner motion that its planes allow; zones grow until no
+// plane is violated.
+void SelfContact::MoveAsZones(const Vec4Array& x_prev, const std::vector<float>& inv_mass,
+                              float floor_m, Vec4Array& x) {
+  const std::size_t count = x.size();
+  std::vector<int> zone(count);
   std::iota(zone.begin(), zone.end(), 0);
-  const auto find = [&](int i) {
+  const auto find = [&](std::size_t node) {
+    int i = static_cast<int>(node);
     while (zone[i] != i) i = zone[i] = zone[zone[i]];
     return i;
   };
-  Vec3Array moved = x;
-  for (int round = 0; round < 100; ++round) {
+  const Vec4Array wanted = x;
+  Vec4Array sum(count);
+  std::vector<float> mass(count), lowest(count), share(count);
+  std::vector<int> members(count);
+  do {
     bool grew = false;
-    for (const Contact& c : contacts_) {
-      if (Clearance(c, x, first, second) >= 0.9f * least(c)) continue;
-      const int root = find(c.node[0]);
+    for (const int i : violated_) {
+      const int root = find(contacts_[i].node[0]);
       for (int k = 1; k < 4; ++k) {
-        const int other = find(c.node[k]);
-        if (other != root) {
-          zone[other] = root;
-          grew = true;
-        }
+        const int other = find(contacts_[i].node[k]);
+        if (other == root) continue;
+        zone[other] = root;
+        grew = true;
       }
     }
-    if (!grew) break;
+    if (!grew) return;  // what is left is rounding within a zone
     ++zones_;
-    // Mass-weighted mean displacement of each zone, none of its nodes below the floor.
-    std::vector<Vec3f> sum(x.size(), Vec3f::Zero());
-    std::vector<float> mass(x.size(), 0.0f), up(x.size(), -1e9f);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const int root = find(static_cast<int>(i));
-      sum[root] += (moved[i] - x_prev[i]) / inv_mass[i];
+    // Mass-weighted mean displacement of each zone, none of its nodes lowered
+    // below the floor.
+    sum.assign(count, Vec4f::Zero());
+    mass.assign(count, 0.0f);
+    lowest.assign(count, std::numeric_limits<float>::lowest());
+    share.assign(count, 1.0f);
+    members.assign(count, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const int root = find(i);
+      sum[root] += (wanted[i] - x_prev[i]) / inv_mass[i];
       mass[root] += 1.0f / inv_mass[i];
-      up[root] = std::max(up[root], std::min(floor_m - x_prev[i].z(), 0.0f));
+      lowest[root] = std::max(lowest[root], std::min(floor_m - x_prev[i].z(), 0.0f));
+      ++members[root];
     }
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const int root = find(static_cast<int>(i));
-      if (root == static_cast<int>(i) && mass[root] == 1.0f / inv_mass[i]) continue;  // alone
-      Vec3f d = sum[root] / mass[root];
-      d.z() = std::max(d.z(), up[root]);
-      x[i] = x_prev[i] + d;
+    // Clearance is a concave function of the nodes, clear_m at the rigid
+    // motion: this share of the way to where they want to be leaves what must
+    // be left.
+    for (const Contact& c : contacts_) {
+      const int root = find(c.node[0]);
+      if (find(c.node[1]) != root || find(c.node[2]) != root || find(c.node[3]) != root) continue;
+      int first, second;
+      const float clear = Clearance(c, wanted, first, second);
+      const float least = LeastClearance(c);
+      if (clear < least)
+        share[root] = std::min(share[root], (c.clear_m - least) / (c.clear_m - clear));
     }
+    for (std::size_t i = 0; i < count; ++i) {
+      const int root = find(i);
+      if (members[root] == 1) continue;
+      Vec4f move = sum[root] / mass[root];
+      move.z() = std::max(move.z(), lowest[root]);
+      x[i] = x_prev[i] + move + (wanted[i] - x_prev[i] - move) * share[root];
+    }
+  } while (FindViolated(x));
+}
+
+// Contacts for the very motion from x_prev to x, which forecasts made earlier
+// do not cover.
+void SelfContact::SearchAlong(const Vec4Array& x_prev, const Vec4Array& x, float h, bool far) {
+  v_.resize(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) v_[i] = (x[i] - x_prev[i]) / h;
+  if (far) {
+    Search(x_prev, v_);
+    far_.Age(h);
   }
+  Select(x_prev, v_);
+  near_.Age(h);
+}
+
+void SelfContact::Enforce(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
+                          float floor_m, Vec4Array& x) {
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    // The contacts are all there is to watch while the nodes keep to the
+    // forecasts.
+    const bool lost = far_.WorstError(x) > 1.0f;
+    if (lost || near_.WorstError(x) > 1.0f) SearchAlong(x_prev, x, h, lost);
+    if (!FindViolated(x)) return;
+    if (!PushApart(inv_mass, x)) MoveAsZones(x_prev, inv_mass, floor_m, x);
+    if (far_.WorstError(x) <= 1.0f && near_.WorstError(x) <= 1.0f) return;
+  }
+  // Corrections keep leading to new pairs: the whole cloth as one piece cannot
+  // meet itself.
+  ++freezes_;
+  Vec4f mean = Vec4f::Zero();
+  float mass = 0, lowest = -1e9f;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mean += (x[i] - x_prev[i]) / inv_mass[i];
+    mass += 1.0f / inv_mass[i];
+    lowest = std::max(lowest, std::min(floor_m - x_prev[i].z(), 0.0f));
+  }
+  mean /= mass;
+  mean.z() = std::max(mean.z(), lowest);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = x_prev[i] + mean;
+  Invalidate();
 }
 
 int CountCrossings(const ClothMesh& mesh, const Vec3Array& x) {
@@ -448,7 +477,8 @@ int CountCrossings(const ClothMesh& mesh, const Vec3Array& x) {
           (a.cwiseMax(b).cwiseMax(c).array() < lo.array()).any()) {
         continue;
       }
-      // Segment against triangle by signed volumes, in double: a crossing is a yes or no.
+      // Segment against triangle by signed volumes, in double: a crossing is a
+      // yes or no.
       const auto volume = [](const Vec3f& o, const Vec3f& r, const Vec3f& s, const Vec3f& u) {
         const Eigen::Vector3d od = o.cast<double>();
         return (r.cast<double>() - od).cross(s.cast<double>() - od).dot(u.cast<double>() - od);

@@ -68,6 +68,7 @@ class PlayCommand final : public Command {
   void Run() override {
     common_.StartLog();
     if (policy_.empty() == run_.empty()) throw InputError("play needs either --policy or --run");
+    if (!run_.empty()) steps_ = ReadRunSteps(run_);
     const std::string source = run_.empty() ? policy_ : run_;
     const std::filesystem::path base = source == "random" ? "" : ConfigBeside(source);
     Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
@@ -119,9 +120,8 @@ class PlayCommand final : public Command {
   }
 
   void RepeatStep(TestbedEnv& environment) const {
-    const std::vector<nlohmann::json> steps = ReadRunSteps(run_);
-    const Snapshot world = WorldBefore(environment, steps, step_);
-    const nlohmann::json& line = steps.at(static_cast<std::size_t>(step_));
+    const Snapshot world = WorldBefore(environment, steps_, step_);
+    const nlohmann::json& line = steps_.at(static_cast<std::size_t>(step_));
     const int action = JsonField<int>(line, "action", 0, 80);
     const Percept percept = environment.Begin(world, JsonField<std::uint64_t>(line, "sensor_seed"));
     if (percept.state != JsonField<int>(line, "state")) {
@@ -142,6 +142,7 @@ class PlayCommand final : public Command {
   StartOption start_;
   std::string policy_;
   std::string run_;
+  std::vector<nlohmann::json> steps_;  // of run_
   int step_ = 0;
   std::optional<std::string> bag_;
   std::uint64_t seed_ = 3;

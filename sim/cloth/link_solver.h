@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/cloth/bag_mesh.h"
+#include "sim/cloth/simd.h"
+
+namespace gusset {
+
+/// Distance constraints by Gauss-Seidel, four links that share no node at a
+/// time.
+///
+/// Links keep their order as far as that allows, so a sweep carries a load
+/// along a row of yarn as far as link-by-link sweeping does.
+class LinkSolver {
+ public:
+  LinkSolver(const std::vector<ClothLink>& links, const std::vector<float>& inv_mass);
+
+  struct Sweep {
+    float tension;      ///< Compliance / h^2 of a link longer than at rest, 1/kg.
+    float compression;  ///< The same of a shorter one.
+    bool forward;       ///< In order of the links, or against it.
+    bool push;          ///< False: shorter links are left alone.
+  };
+  void Solve(const Sweep& sweep, Vec4Array& x) const;
+
+ private:
+  struct Packet {
+    std::array<std::uint16_t, 4> a, b;
+    Float4 rest, inv_mass_a, inv_mass_b;
+  };
+  void Solve(const Packet& p, const Sweep& sweep, Vec4Array& x) const;
+
+  std::vector<Packet> packets_;
+};
+
+}  // namespace gusset

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/cloth/simd.h"
+
+namespace gusset {
+
+/// Where nodes are expected to be for a while, and how far off they may be:
+/// what a search for contacts may rely on, and how it learns that it no longer
+/// can.
+///
+/// Node i is forecast at start_i + velocity_i * min(age, horizon), give or take
+/// margin_i, up to a translation common to all nodes, which brings none of them
+/// closer together.
+class MotionForecast {
+ public:
+  struct Setting {
+    float horizon_s;
+    float base_m;       ///< Margin of a node that does not move.
+    float speed_share;  ///< More margin for a moving one: share of its way to
+                        ///< the horizon.
+  };
+
+  /// Forecasts from x on with velocities v.
+  void Start(const Setting& setting, const Vec4Array& x, const Vec4Array& v);
+  void Age(float h) { age_s_ += h; }
+  void Invalidate() { valid_ = false; }
+  /// Largest error of the forecast at x as a share of the node's margin; above
+  /// 1, or without a forecast (infinity), nothing can be relied on.
+  float WorstError(const Vec4Array& x) const;
+
+  const Vec4Array& start() const { return start_; }
+  /// Whole way to the horizon, less the mean of all nodes; fourth lane: the
+  /// margin.
+  const Vec4Array& way() const { return way_; }
+
+ private:
+  bool valid_ = false;
+  float age_s_ = 0;
+  float horizon_s_ = 0;
+  Vec4Array start_, way_;
+};
+
+}  // namespace gusset

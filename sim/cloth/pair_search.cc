@@ -1,0 +1,330 @@
+#include "sim/cloth/pair_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include "sim/cloth/closest_points.h"
+
+namespace gusset {
+namespace {
+
+// Share of the reach by which a node must be beside a triangle to leave the
+// force to a neighbour until the next search.
+constexpr float kGuardTolerance = 0.5f;
+
+Float4 Length(const Vec3x4& v) { return Sqrt(Dot(v, v)); }
+
+Vec3x4 MaxAbs(const Vec3x4& a, const Vec3x4& b) {
+  return {Max(a.x, Abs(b.x)), Max(a.y, Abs(b.y)), Max(a.z, Abs(b.z))};
+}
+
+}  // namespace
+
+PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh) {
+  rows_ = static_cast<int>(mesh.patch_rows.size()) / mesh.layers;
+  columns_ = static_cast<int>(mesh.patch_rows.front().size());
+  for (const auto& row : mesh.patch_rows) patches_.insert(patches_.end(), row.begin(), row.end());
+  for (int layer = 0; layer < mesh.layers; ++layer) {
+    roots_.push_back(BuildTree(layer * rows_, (layer + 1) * rows_, 0, columns_));
+  }
+  ListNeighbours();
+  std::vector<char> corner_owned(mesh.rest.size(), 0);
+  std::set<std::array<int, 2>> side_owned;
+  for (const auto& t : mesh.triangles) {
+    int owned = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      if (!corner_owned[a]) owned |= 1 << k;
+      corner_owned[a] = 1;
+      if (side_owned.insert({std::min(a, b), std::max(a, b)}).second) owned |= 8 << k;
+    }
+    owned_.push_back(static_cast<std::uint8_t>(owned));
+  }
+}
+
+int PairSearch::BuildTree(int row0, int row1, int col0, int col1) {
+  TreeNode node;
+  if (row1 - row0 == 1 && col1 - col0 == 1) {
+    node.patch = row0 * columns_ + col0;
+  } else if (row1 - row0 >= col1 - col0) {
+    const int mid = (row0 + row1) / 2;
+    node.left = BuildTree(row0, mid, col0, col1);
+    node.right = BuildTree(mid, row1, col0, col1);
+  } else {
+    const int mid = (col0 + col1) / 2;
+    node.left = BuildTree(row0, row1, col0, mid);
+    node.right = BuildTree(row0, row1, mid, col1);
+  }
+  tree_.push_back(node);
+  return static_cast<int>(tree_.size()) - 1;
+}
+
+bool PairSearch::AreNeighbours(int a, int b) const {
+  const int row_a = a / columns_, row_b = b / columns_;
+  return row_a / rows_ == row_b / rows_ && std::abs(row_a - row_b) <= 1 &&
+         std::abs(a % columns_ - b % columns_) <= 1;
+}
+
+bool PairSearch::Share(int node, int triangle) const {
+  const auto& t = mesh_.triangles[triangle];
+  return node == t[0] || node == t[1] || node == t[2];
+}
+
+void PairSearch::ListNeighbours() {
+  const auto add_nodes = [&](const ClothPatch& a, const ClothPatch& b) {
+    for (const int n : a.nodes) {
+      for (const int t : b.triangles) {
+        if (Share(n, t)) continue;
+        near_node_triangle_.push_back(
+            {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(t)});
+      }
+    }
+  };
+  const auto add_edges = [&](int e, int f) {
+    const auto &p = mesh_.edges[e], &q = mesh_.edges[f];
+    if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) return;
+    near_edges_.push_back({static_cast<std::uint16_t>(e), static_cast<std::uint16_t>(f)});
+  };
+  const int count = static_cast<int>(patches_.size());
+  for (int a = 0; a < count; ++a) {
+    // A quad may fold along its diagonal until its own sides meet.
+    const ClothPatch& own = patches_[a];
+    add_nodes(own, own);
+    for (std::size_t i = 0; i < own.edges.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) add_edges(own.edges[j], own.edges[i]);
+    }
+    for (int b = a + 1; b < std::min(count, a + columns_ + 2); ++b) {
+      if (!AreNeighbours(a, b)) continue;
+      add_nodes(own, patches_[b]);
+      add_nodes(patches_[b], own);
+      for (const int e : own.edges) {
+        for (const int f : patches_[b].edges) add_edges(e, f);
+      }
+    }
+  }
+}
+
+// Boxes of the elements over the whole forecast, margins and half a thickness
+// included, and of the tree above them.
+void PairSearch::Refit(const MotionForecast& forecast) {
+  const float half = 0.5f * mesh_.thickness_m;
+  const Vec4Array &start = forecast.start(), &way = forecast.way();
+  node_box_.resize(start.size());
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const Float4 from = Float4::Load(start[i].data());
+    const Float4 to = from + Float4::Load(way[i].data());
+    const Float4 grow = half + way[i][3];
+    node_box_[i] = {Min(from, to) - grow, Max(from, to) + grow};
+  }
+  edge_box_.resize(mesh_.edges.size());
+  for (std::size_t i = 0; i < mesh_.edges.size(); ++i) {
+    edge_box_[i] = node_box_[mesh_.edges[i][0]];
+    edge_box_[i].Include(node_box_[mesh_.edges[i][1]]);
+  }
+  triangle_box_.resize(mesh_.triangles.size());
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const auto& t = mesh_.triangles[i];
+    triangle_box_[i] = node_box_[t[0]];
+    triangle_box_[i].Include(node_box_[t[1]]);
+    triangle_box_[i].Include(node_box_[t[2]]);
+  }
+  tree_box_.resize(tree_.size());
+  for (std::size_t i = 0; i < tree_.size(); ++i) {
+    const TreeNode& node = tree_[i];
+    if (node.patch >= 0) {
+      tree_box_[i] = triangle_box_[patches_[node.patch].triangles[0]];
+      tree_box_[i].Include(triangle_box_[patches_[node.patch].triangles[1]]);
+    } else {
+      tree_box_[i] = tree_box_[node.left];
+      tree_box_[i].Include(tree_box_[node.right]);
+    }
+  }
+}
+
+void PairSearch::Self(int node) {
+  const TreeNode& n = tree_[node];
+  if (n.patch >= 0) return;
+  Self(n.left);
+  Self(n.right);
+  Cross(n.left, n.right);
+}
+
+void PairSearch::Cross(int a, int b) {
+  if (!tree_box_[a].Overlaps(tree_box_[b])) return;
+  const TreeNode &na = tree_[a], &nb = tree_[b];
+  if (na.patch >= 0 && nb.patch >= 0) {
+    if (!AreNeighbours(na.patch, nb.patch)) Patches(na.patch, nb.patch);
+  } else if (nb.patch >= 0 || (na.patch < 0 && a > b)) {
+    Cross(na.left, b);
+    Cross(na.right, b);
+  } else {
+    Cross(a, nb.left);
+    Cross(a, nb.right);
+  }
+}
+
+void PairSearch::Patches(int a, int b) {
+  const auto nodes = [&](const ClothPatch& p, const ClothPatch& q) {
+    for (const int n : p.nodes) {
+      for (const int t : q.triangles) {
+        if (!node_box_[n].Overlaps(triangle_box_[t]) || Share(n, t)) continue;
+        maybe_node_triangle_.push_back(
+            {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(t)});
+      }
+    }
+  };
+  const ClothPatch &p = patches_[a], &q = patches_[b];
+  nodes(p, q);
+  nodes(q, p);
+  for (const int e : p.edges) {
+    for (const int f : q.edges) {
+      if (!edge_box_[e].Overlaps(edge_box_[f])) continue;
+      const auto &u = mesh_.edges[e], &v = mesh_.edges[f];
+      if (u[0] == v[0] || u[0] == v[1] || u[1] == v[0] || u[1] == v[1]) continue;
+      maybe_edges_.push_back({static_cast<std::uint16_t>(e), static_cast<std::uint16_t>(f)});
+    }
+  }
+}
+
+void PairSearch::Find(const MotionForecast& forecast, std::vector<ElementPair>& node_triangle,
+                      std::vector<ElementPair>& edge_edge) {
+  Refit(forecast);
+  maybe_node_triangle_.clear();
+  maybe_edges_.clear();
+  for (const IdPair& p : near_node_triangle_) {
+    if (node_box_[p[0]].Overlaps(triangle_box_[p[1]])) maybe_node_triangle_.push_back(p);
+  }
+  for (const IdPair& p : near_edges_) {
+    if (edge_box_[p[0]].Overlaps(edge_box_[p[1]])) maybe_edges_.push_back(p);
+  }
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    Self(roots_[i]);
+    for (std::size_t j = i + 1; j < roots_.size(); ++j) Cross(roots_[i], roots_[j]);
+  }
+  node_triangle.clear();
+  edge_edge.clear();
+  MeasureNodeTriangle(forecast, node_triangle);
+  MeasureEdgeEdge(forecast, edge_edge);
+}
+
+void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
+                                     std::vector<ElementPair>& out) const {
+  const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
+  const std::size_t count = maybe_node_triangle_.size();
+  for (std::size_t i = 0; i < count; i += 4) {
+    std::array<std::array<int, 4>, 4> n;  // [corner][lane]; node first
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const IdPair& pair = maybe_node_triangle_[std::min(i + lane, count - 1)];
+      const auto& t = mesh_.triangles[pair[1]];
+      n[0][lane] = pair[0];
+      for (int k = 0; k < 3; ++k) n[k + 1][lane] = t[k];
+    }
+    const auto at = [&](const Vec4f* from, int k, Float4* fourth = nullptr) {
+      return Gather(from, n[k][0], n[k][1], n[k][2], n[k][3], fourth);
+    };
+    const Vec3x4 p = at(x, 0), a = at(x, 1), b = at(x, 2), c = at(x, 3);
+    const Barycentric4 w = ClosestOnTriangle(p, a, b, c);
+    const Vec3x4 gap = p - a * w.a - b * w.b - c * w.c;
+    const Float4 distance = Length(gap);
+    // How far the node can move towards the triangle: their forecasts'
+    // difference, and margins.
+    Float4 m0, m1, m2, m3;
+    const Vec3x4 v = at(way, 0, &m0);
+    Vec3x4 relative = MaxAbs({}, v - at(way, 1, &m1));
+    relative = MaxAbs(relative, v - at(way, 2, &m2));
+    relative = MaxAbs(relative, v - at(way, 3, &m3));
+    const Float4 approach = Length(relative) + m0 + Max(m1, Max(m2, m3));
+    const int keep = Bits(distance <= approach + mesh_.thickness_m);
+    if (keep == 0) continue;
+    // A border point that other triangles share stays theirs while the node
+    // cannot get over this one.
+    const Vec3x4 ab = b - a, ac = c - a;
+    const Vec3x4 normal = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z,
+                           ab.x * ac.y - ab.y * ac.x};
+    const Float4 off = Dot(gap, normal);
+    const Float4 beside2 = Dot(gap, gap) - off * off / Max(Dot(normal, normal), 1e-20f);
+    const Float4 most = approach * kGuardTolerance;
+    const int beside = Bits(most * most < beside2);
+    const int watch = Bits(distance <= approach + mesh_.thickness_m * kGuardedShare);
+    alignas(16) float d[4], wa[4], wb[4], wc[4];
+    distance.Store(d);
+    w.a.Store(wa);
+    w.b.Store(wb);
+    w.c.Store(wc);
+    for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
+      if (!(keep >> lane & 1)) continue;
+      const int triangle = maybe_node_triangle_[i + lane][1];
+      const bool guard = (beside >> lane & 1) && !Owns(triangle, {wa[lane], wb[lane], wc[lane]});
+      if (guard && !(watch >> lane & 1)) continue;
+      out.push_back(
+          {{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
+            static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
+           d[lane],
+           static_cast<std::uint16_t>(triangle),
+           false,
+           guard});
+    }
+  }
+}
+
+void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast,
+                                 std::vector<ElementPair>& out) const {
+  const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
+  const std::size_t count = maybe_edges_.size();
+  for (std::size_t i = 0; i < count; i += 4) {
+    std::array<std::array<int, 4>, 4> n;  // [end][lane]
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const IdPair& pair = maybe_edges_[std::min(i + lane, count - 1)];
+      n[0][lane] = mesh_.edges[pair[0]][0];
+      n[1][lane] = mesh_.edges[pair[0]][1];
+      n[2][lane] = mesh_.edges[pair[1]][0];
+      n[3][lane] = mesh_.edges[pair[1]][1];
+    }
+    const auto at = [&](const Vec4f* from, int k, Float4* fourth = nullptr) {
+      return Gather(from, n[k][0], n[k][1], n[k][2], n[k][3], fourth);
+    };
+    const Vec3x4 a = at(x, 0), b = at(x, 1), c = at(x, 2), d = at(x, 3);
+    const SegmentPoints4 w = ClosestOnSegments(a, b, c, d);
+    const Float4 distance = Length(a + (b - a) * w.s - c - (d - c) * w.t);
+    Float4 m0, m1, m2, m3;
+    const Vec3x4 va = at(way, 0, &m0), vb = at(way, 1, &m1), vc = at(way, 2, &m2),
+                 vd = at(way, 3, &m3);
+    Vec3x4 relative = MaxAbs({}, va - vc);
+    relative = MaxAbs(relative, va - vd);
+    relative = MaxAbs(relative, vb - vc);
+    relative = MaxAbs(relative, vb - vd);
+    const Float4 approach = Length(relative) + Max(m0, m1) + Max(m2, m3);
+    // An end of an edge is a node, and node against triangle carries its
+    // contact.
+    const Float4 inner =
+        (Float4(0.0f) < w.s) & (w.s < Float4(1.0f)) & (Float4(0.0f) < w.t) & (w.t < Float4(1.0f));
+    const Float4 near = Select(inner, mesh_.thickness_m, mesh_.thickness_m * kGuardedShare);
+    const int keep = Bits(distance <= approach + near);
+    if (keep == 0) continue;
+    alignas(16) float length[4];
+    distance.Store(length);
+    for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
+      if (!(keep >> lane & 1)) continue;
+      out.push_back(
+          {{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
+            static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
+           length[lane],
+           0,
+           true,
+           !(Bits(inner) >> lane & 1)});
+    }
+  }
+}
+
+bool PairSearch::Owns(int triangle, const std::array<float, 3>& b) const {
+  const int zeros = (b[0] <= 0) + (b[1] <= 0) + (b[2] <= 0);
+  for (int k = 0; k < 3; ++k) {
+    if (zeros == 2 && b[k] > 0) return owned_[triangle] >> k & 1;
+    if (zeros == 1 && b[(k + 2) % 3] <= 0) return owned_[triangle] >> (3 + k) & 1;
+  }
+  return true;
+}
+
+}  // namespace gusset

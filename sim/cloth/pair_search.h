@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/cloth/bag_mesh.h"
+#include "sim/cloth/motion_forecast.h"
+
+namespace gusset {
+
+/// A pair that carries no force is watched for crossing when closer than this
+/// share of a thickness.
+constexpr float kGuardedShare = 0.2f;
+
+/// Two elements of a cloth that may meet: node 0 against triangle (1, 2, 3), or
+/// edge (0, 1) against edge (2, 3). 16 bytes.
+struct ElementPair {
+  std::array<std::uint16_t, 4> node;
+  float distance_m;        ///< When found.
+  std::uint16_t triangle;  ///< Index of the triangle.
+  bool edges;
+  bool guard;  ///< Another pair carries the contact force; watched for crossing
+               ///< only.
+};
+
+/// Finds every pair of elements that can come closer than one thickness while a
+/// forecast of their motion holds: a tree of boxes over the mesh's quads, boxes
+/// swept along the forecast, then the distance of each remaining pair against
+/// how far the two can move towards each other.
+class PairSearch {
+ public:
+  explicit PairSearch(const ClothMesh& mesh);
+
+  /// Node-triangle pairs and edge-edge pairs, in an order that depends on the
+  /// mesh alone.
+  void Find(const MotionForecast& forecast, std::vector<ElementPair>& node_triangle,
+            std::vector<ElementPair>& edge_edge);
+
+  /// True if `triangle` is the one that carries a contact at this point of it:
+  /// a point on a border is closest for all triangles that share the border,
+  /// and only one may push.
+  bool Owns(int triangle, const std::array<float, 3>& barycentric) const;
+
+ private:
+  struct Box {
+    Float4 lo, hi;
+    bool Overlaps(const Box& o) const { return Bits((lo <= o.hi) & (o.lo <= hi)) == 15; }
+    void Include(const Box& o) { lo = Min(lo, o.lo), hi = Max(hi, o.hi); }
+  };
+  struct TreeNode {
+    int left = -1, right = -1, patch = -1;
+  };
+  using IdPair = std::array<std::uint16_t, 2>;
+
+  int BuildTree(int row0, int row1, int col0, int col1);
+  void ListNeighbours();
+  void Refit(const MotionForecast& forecast);
+  void Self(int node);
+  void Cross(int a, int b);
+  void Patches(int a, int b);
+  bool AreNeighbours(int a, int b) const;
+  bool Share(int node, int triangle) const;
+  void MeasureNodeTriangle(const MotionForecast& forecast, std::vector<ElementPair>& out) const;
+  void MeasureEdgeEdge(const MotionForecast& forecast, std::vector<ElementPair>& out) const;
+
+  const ClothMesh& mesh_;
+  std::vector<ClothPatch> patches_;  ///< [layer][row][column].
+  int rows_ = 0, columns_ = 0;
+  std::vector<TreeNode> tree_;  ///< Children before parents.
+  std::vector<int> roots_;      ///< One per layer.
+  /// Elements of adjoining patches of one layer that share no node; their boxes
+  /// nearly always touch, so the tree leaves them to these lists.
+  std::vector<IdPair> near_node_triangle_, near_edges_;
+  /// Per triangle. Bit k: owns corner k; bit 3 + k: the side from corner k on.
+  std::vector<std::uint8_t> owned_;
+
+  std::vector<Box> node_box_, edge_box_, triangle_box_, tree_box_;
+  std::vector<IdPair> maybe_node_triangle_, maybe_edges_;  ///< Boxes touch.
+};
+
+}  // namespace gusset
