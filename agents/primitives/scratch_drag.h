@@ -10,7 +10,7 @@ namespace gusset {
 struct ScratchDragConfig {
   double opening_m = 0.045;      ///< Between the fingers as they come down.
   double touch_force_N = 1;      ///< Felt when the fingertips rest on the cloth.
-  double sink_m = 0.0;         ///< Deeper by this after the touch.
+  double sink_m = 0.0;           ///< Deeper by this after the touch.
   double lift_m = 0.07;          ///< The layer is raised so far ...
   double drag_speed_m_s = 0.15;  ///< ... and dragged over the target.
   double release_height_m = 0.02;

@@ -21,8 +21,9 @@ constexpr float kTilted = 0.8f;
 constexpr int kSweeps = 15;
 constexpr int kAttempts = 4;
 // Clearances below this never shrink: positions near 1 m are rounded to 6e-8 m.
-constexpr float kLeastKept_m = 1e-5f;
-constexpr float kRounding_m = 1e-7f;
+constexpr float kLeastKept_m = 2e-5f;
+// A push goes this much further than it must, so that what is lost to rounding comes back.
+constexpr float kPushBeyond_m = 2e-6f;
 
 Float4 Vector(const Vec4f& v) { return Float4::Load(v.data()); }
 
@@ -295,9 +296,9 @@ float SelfContact::LeastClearance(const Contact& c) const {
   return std::min(0.1f * thickness_m_, std::max(0.5f * c.clear_m, kLeastKept_m));
 }
 
-// The sweeps stop here; only rounding may take from what never shrinks.
+// The sweeps stop here; nothing is taken from what never shrinks.
 float SelfContact::AcceptedClearance(const Contact& c) const {
-  return c.clear_m <= kLeastKept_m ? c.clear_m - kRounding_m : 0.9f * LeastClearance(c);
+  return c.clear_m <= kLeastKept_m ? c.clear_m : 0.9f * LeastClearance(c);
 }
 
 // The extreme nodes' distance along the normal: positive while a plane
@@ -347,7 +348,7 @@ bool SelfContact::PushApart(const std::vector<float>& inv_mass, Vec4Array& x) {
       int first, second;
       const float lack = LeastClearance(c) - Clearance(c, x, first, second);
       if (lack <= 0) continue;
-      const Vec4f push = c.normal * (1.02f * lack / (inv_mass[first] + inv_mass[second]));
+      const Vec4f push = c.normal * ((lack + kPushBeyond_m) / (inv_mass[first] + inv_mass[second]));
       x[first] += push * inv_mass[first];
       x[second] -= push * inv_mass[second];
     }

@@ -44,7 +44,7 @@ const std::vector<Layer>& Layers() {
 }
 
 bool IsPosix(const std::string& header) {
-  static const std::regex posix("(unistd|fcntl|signal|dirent|sys/.*|immintrin|emmintrin)(\\.h)?");
+  static const std::regex posix("(unistd|fcntl|signal|dirent|sys/.*|(i|e|x)mmintrin)(\\.h)?");
   return std::regex_match(header, posix);
 }
 
