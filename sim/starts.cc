@@ -10,12 +10,12 @@
 namespace gusset {
 namespace {
 
-constexpr int kMostAttempts = 200;
+constexpr int kMostAttempts = 300;
 constexpr float kDropHeight_m = 0.30f;
-constexpr double kFoldTime_s = 0.9;
-constexpr double kSettle_s = 0.8;
+constexpr double kFoldTime_s = 0.7;
+constexpr double kSettle_s = 0.5;
 constexpr double kMostRest_s = 4.0;
-constexpr float kRestSpeed_m_s = 0.003f;
+constexpr float kRestSpeed_m_s = 0.003f;  // root mean square
 constexpr float kHandForce_N = 60.0f;  // two hands hold faster than a gripper
 constexpr std::array<int, 4> kWholeView = {0, 0, 640, 480};
 
@@ -38,7 +38,7 @@ class Hands {
     Move(seconds, [](float) {});
   }
   void Rest() {
-    for (double t = 0; t < kMostRest_s && cloth_.MaxSpeed() > kRestSpeed_m_s; t += 0.1) Wait(0.1);
+    for (double t = 0; t < kMostRest_s && cloth_.RmsSpeed() > kRestSpeed_m_s; t += 0.1) Wait(0.1);
   }
 
   Eigen::Isometry3f X_WT = Eigen::Isometry3f::Identity();
@@ -134,7 +134,7 @@ void Drop(Cloth& cloth, Hands& hands, Rng& rng) {
   float reach = 0;
   for (const Vec3f& q : cloth.state().x) reach = std::max(reach, (q - p).norm());
   const Vec3f to(0, 0, kDropHeight_m + reach);
-  hands.Move(1.2, [&](float s) {
+  hands.Move(0.8, [&](float s) {
     const float smooth = s * s * (3 - 2 * s);
     hands.X_WT.translation() = from * (1 - smooth) + to * smooth;
   });
@@ -143,31 +143,34 @@ void Drop(Cloth& cloth, Hands& hands, Rng& rng) {
   hands.Wait(kSettle_s);
 }
 
-// Two flat hands push the bag together from opposite sides, then leave upwards.
+// Two flat hands push the bag together from opposite sides, leave upwards, and do it again across.
 void Push(Cloth& cloth, Hands& hands, Rng& rng) {
   const double theta = rng.Uniform(0, std::numbers::pi);
-  const Vec3f mean = Mean(cloth.state().x);
   const float stop = static_cast<float>(rng.Uniform(0.05, 0.07));
-  for (int k = 0; k < 2; ++k) {
-    RigidShape hand;
-    hand.half = Vec3f(0.01f, 0.10f, 0.05f);
-    hand.friction = 0.4f;
-    hand.X_WS.linear() =
-        Eigen::AngleAxisf(static_cast<float>(theta + k * std::numbers::pi), Vec3f::UnitZ())
-            .toRotationMatrix();
-    hands.shapes.push_back(hand);
-  }
-  const auto place = [&](float distance, float height) {
-    for (RigidShape& hand : hands.shapes) {
-      hand.X_WS.translation() =
-          Vec3f(mean.x(), mean.y(), height) + hand.X_WS.linear() * Vec3f(distance, 0, 0);
+  for (int turn = 0; turn < 2; ++turn) {
+    const Vec3f mean = Mean(cloth.state().x);
+    for (int k = 0; k < 2; ++k) {
+      RigidShape hand;
+      hand.half = Vec3f(0.01f, 0.15f, 0.05f);
+      hand.friction = 0.4f;
+      hand.X_WS.linear() =
+          Eigen::AngleAxisf(static_cast<float>(theta + (k + 0.5 * turn) * std::numbers::pi),
+                            Vec3f::UnitZ())
+              .toRotationMatrix();
+      hands.shapes.push_back(hand);
     }
-  };
-  place(0.30f, 0.053f);
-  for (RigidShape& hand : hands.shapes) hand.X_WS_prev = hand.X_WS;
-  hands.Move(1.0, [&](float s) { place(0.30f + (stop - 0.30f) * s, 0.053f); });
-  hands.Move(0.4, [&](float s) { place(stop + 0.03f * s, 0.053f + 0.25f * s); });
-  hands.shapes.clear();
+    const auto place = [&](float distance, float height) {
+      for (RigidShape& hand : hands.shapes) {
+        hand.X_WS.translation() =
+            Vec3f(mean.x(), mean.y(), height) + hand.X_WS.linear() * Vec3f(distance, 0, 0);
+      }
+    };
+    place(0.30f, 0.053f);
+    for (RigidShape& hand : hands.shapes) hand.X_WS_prev = hand.X_WS;
+    hands.Move(0.8, [&](float s) { place(0.30f + (stop - 0.30f) * s, 0.053f); });
+    hands.Move(0.4, [&](float s) { place(stop + 0.03f * s, 0.053f + 0.25f * s); });
+    hands.shapes.clear();
+  }
   hands.Wait(kSettle_s);
 }
 

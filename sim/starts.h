@@ -42,10 +42,10 @@ struct StartConfig {
 };
 
 /// A folded bag, made by physics as a person would: two or three folds along random lines; or
-/// gathered at a random point and dropped from 0.3 m; or dropped, then pushed together from two
+/// gathered at a random point and dropped from 0.3 m; or dropped, then pushed together from four
 /// sides. The three are equally likely. Attempts are made until one hides the mouth and has the
 /// area; nothing else is chosen. A function of its arguments alone.
-/// @throws RunError if no attempt out of 200 serves.
+/// @throws RunError if no attempt out of 300 serves.
 Start MakeFoldedStart(const BagConfig& bag, const ClothSolverConfig& solver,
                       const StartConfig& config, const CameraModel& camera, bool any_pose,
                       std::uint64_t seed);

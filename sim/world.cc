@@ -448,7 +448,7 @@ void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_openi
   }
   w.held_clear = w.clear ? w.held_clear + w.h : 0;
   if (w.steps % kCheckEvery == 0) w.Check();
-  const bool slow = w.cloth.MaxSpeed() < w.config.rest_speed_m_s &&
+  const bool slow = w.cloth.RmsSpeed() < w.config.rest_speed_m_s &&
                     FromBullet(w.cube->getLinearVelocity()).norm() < w.config.rest_speed_m_s &&
                     (!holding || at_rest) && (at_rest || !w.SomethingNear());
   w.rest = slow ? w.rest + w.h : 0;

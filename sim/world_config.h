@@ -15,7 +15,7 @@ struct WorldConfig {
   double pad_width_m = 0.022;     ///< 2F-85 manual: pads of 22 x 37.5 mm.
   double pad_height_m = 0.0375;
   double pad_friction = 0.7;      ///< Rubber on cloth and cube.
-  double rest_speed_m_s = 0.003;  ///< All slower than this ...
+  double rest_speed_m_s = 0.003;  ///< Cube and cloth (root mean square) slower than this ...
   double rest_time_s = 0.25;      ///< ... for so long: the world sleeps until something comes near.
   double wake_distance_m = 0.010;
 

@@ -348,10 +348,16 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
     SolveTable();
   }
-  contact_.Enforce(x_prev_, inv_mass_, h, 0.5f * mesh_.thickness_m, x_);
+  const float floor = 0.5f * mesh_.thickness_m;
+  contact_.Enforce(x_prev_, inv_mass_, h, floor, x_);
   const float per_h = 1.0f / h;
   for (std::size_t i = 0; i < x_.size(); ++i) {
     v_[i] = (x_[i] - x_prev_[i]) * per_h;
+    // What the table lifted out of itself does not fly.
+    if (x_prev_[i].z() < floor && x_[i].z() <= floor && v_[i].z() > 0) v_[i].z() = 0;
+  }
+  contact_.StopRebound(inv_mass_, v_);
+  for (std::size_t i = 0; i < x_.size(); ++i) {
     state_.x[i] = x_[i].head<3>();
     state_.v[i] = v_[i].head<3>();
   }
@@ -368,6 +374,12 @@ float Cloth::MaxSpeed() const {
     most = std::max(most, v2);
   }
   return std::sqrt(most);
+}
+
+float Cloth::RmsSpeed() const {
+  float sum = 0;
+  for (const Vec3f& v : state_.v) sum += v.squaredNorm();
+  return std::sqrt(sum / static_cast<float>(state_.v.size()));
 }
 
 float Cloth::MaxStretch(int* where) const {

@@ -73,6 +73,8 @@ class Cloth {
   const Vec3f& hold_force_N() const { return hold_force_N_; }
 
   float MaxSpeed() const;
+  /// Root mean square over all nodes, m/s.
+  float RmsSpeed() const;
   /// Largest stretch ratio of the yarns now, and the node where it is.
   float MaxStretch(int* where = nullptr) const;
   const SelfContact& contact() const { return contact_; }

@@ -263,7 +263,7 @@ void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float
 
 void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, Vec4Array& x) {
   for (std::size_t i = 0; i < force_count_; ++i) {
-    const Contact& c = contacts_[i];
+    Contact& c = contacts_[i];
     const auto& n = c.node;
     const Float4 s0 = c.weight[0], s1 = c.weight[1], s2 = c.weight[2], s3 = c.weight[3];
     const Float4 normal = Vector(c.normal);
@@ -271,6 +271,7 @@ void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_m
         s0 * Vector(x[n[0]]) + s1 * Vector(x[n[1]]) + (s2 * Vector(x[n[2]]) + s3 * Vector(x[n[3]]));
     const float depth = c.target_m - Dot(normal, gap);
     if (depth <= 0) continue;
+    c.pushed = true;
     const auto& s = c.weight;
     const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
                     s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
@@ -285,6 +286,28 @@ void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_m
     const Float4 push = (normal * Float4(depth) - slip * Float4(share)) * Float4(1.0f / w);
     for (int k = 0; k < 4; ++k) {
       (Vector(x[n[k]]) + push * Float4(s[k] * inv_mass[n[k]])).Store(x[n[k]].data());
+    }
+  }
+}
+
+void SelfContact::StopRebound(const std::vector<float>& inv_mass, Vec4Array& v) {
+  for (std::size_t i = 0; i < force_count_; ++i) {
+    Contact& c = contacts_[i];
+    if (!c.pushed) continue;
+    c.pushed = false;
+    if (c.gap_m >= thickness_m_) continue;
+    const auto& n = c.node;
+    const auto& s = c.weight;
+    const Float4 normal = Vector(c.normal);
+    const Float4 rate = Float4(s[0]) * Vector(v[n[0]]) + Float4(s[1]) * Vector(v[n[1]]) +
+                        (Float4(s[2]) * Vector(v[n[2]]) + Float4(s[3]) * Vector(v[n[3]]));
+    const float apart = Dot(normal, rate);
+    if (apart <= 0) continue;
+    const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
+                    s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
+    const Float4 pull = normal * Float4(-apart / w);
+    for (int k = 0; k < 4; ++k) {
+      (Vector(v[n[k]]) + pull * Float4(s[k] * inv_mass[n[k]])).Store(v[n[k]].data());
     }
   }
 }

@@ -39,6 +39,9 @@ class SelfContact {
   /// One Gauss-Seidel pass: pushes pairs apart to one thickness and applies
   /// friction.
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, Vec4Array& x);
+  /// After the substep: where layers were pushed apart because they were closer than a thickness,
+  /// takes the speed of that from them, or a lump of cloth would never come to rest.
+  void StopRebound(const std::vector<float>& inv_mass, Vec4Array& v);
   /// Last word of a substep: after it, no pair has crossed between x_prev and
   /// x.
   /// @param floor_m lowest height a node's centre may have.
@@ -66,6 +69,7 @@ class SelfContact {
     std::uint16_t triangle = 0;
     bool edges = false;
     bool force = false;
+    bool pushed = false;  ///< In this substep.
   };
 
   void Search(const Vec4Array& x, const Vec4Array& v);
