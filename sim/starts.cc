@@ -16,6 +16,8 @@ constexpr double kFoldTime_s = 0.7;
 constexpr double kSettle_s = 0.5;
 constexpr double kMostRest_s = 4.0;
 constexpr float kRestSpeed_m_s = 0.003f;  // root mean square
+constexpr float kGathered = 0.25f;  // what a hand leaves of the width that it closes round
+constexpr float kGatherTime_s = 0.5f;
 constexpr float kHandForce_N = 60.0f;  // two hands hold faster than a gripper
 constexpr std::array<int, 4> kWholeView = {0, 0, 640, 480};
 
@@ -37,6 +39,7 @@ class Hands {
   void Wait(double seconds) {
     Move(seconds, [](float) {});
   }
+  float steps_per_s() const { return 1.0f / h_; }
   void Rest() {
     for (double t = 0; t < kMostRest_s && cloth_.RmsSpeed() > kRestSpeed_m_s; t += 0.1) Wait(0.1);
   }
@@ -118,27 +121,32 @@ void Fold(Cloth& cloth, Hands& hands, Rng& rng) {
   hands.Wait(kSettle_s);
 }
 
-// Picks the bag up at a random point until all of it is kDropHeight_m above the table; lets go.
+// A hand closes round a random point, which gathers the cloth there, lifts it to kDropHeight_m above
+// the table, and lets go.
 void Drop(Cloth& cloth, Hands& hands, Rng& rng) {
   const int node = rng.Below(cloth.mesh().node_count());
   const Vec3f p = cloth.state().x[node];
+  const float hand = static_cast<float>(rng.Uniform(0.06, 0.10));
   PadGap gap;
   gap.X_WT.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
   gap.X_WT.translation() << p.x(), p.y(), 0;
-  gap.opening_m = 0.02f;
-  gap.half_width_m = 0.01f;
+  gap.opening_m = 2 * hand;
+  gap.half_width_m = hand;
   gap.height_m = 0.08f;
   hands.X_WT = gap.X_WT;
   cloth.BeginHold(gap, kHandForce_N);
   const Vec3f from = gap.X_WT.translation();
-  float reach = 0;
-  for (const Vec3f& q : cloth.state().x) reach = std::max(reach, (q - p).norm());
-  const Vec3f to(0, 0, kDropHeight_m + reach);
-  hands.Move(0.8, [&](float s) {
-    const float smooth = s * s * (3 - 2 * s);
-    hands.X_WT.translation() = from * (1 - smooth) + to * smooth;
+  const Vec3f to(0, 0, kDropHeight_m);
+  const float per_step = std::pow(kGathered, 1.0f / (kGatherTime_s * hands.steps_per_s()));
+  hands.Move(kGatherTime_s, [&](float s) {
+    cloth.GatherHold(per_step);
+    hands.X_WT.translation() = from + Vec3f(0, 0, 0.05f * s);
   });
-  hands.Wait(0.3);
+  const Vec3f up = hands.X_WT.translation();
+  hands.Move(0.7, [&](float s) {
+    const float smooth = s * s * (3 - 2 * s);
+    hands.X_WT.translation() = up * (1 - smooth) + to * smooth;
+  });
   cloth.EndHold();
   hands.Wait(kSettle_s);
 }
@@ -146,7 +154,7 @@ void Drop(Cloth& cloth, Hands& hands, Rng& rng) {
 // Two flat hands push the bag together from opposite sides, leave upwards, and do it again across.
 void Push(Cloth& cloth, Hands& hands, Rng& rng) {
   const double theta = rng.Uniform(0, std::numbers::pi);
-  const float stop = static_cast<float>(rng.Uniform(0.05, 0.07));
+  const float stop = static_cast<float>(rng.Uniform(0.035, 0.05));
   for (int turn = 0; turn < 2; ++turn) {
     const Vec3f mean = Mean(cloth.state().x);
     for (int k = 0; k < 2; ++k) {
@@ -165,10 +173,10 @@ void Push(Cloth& cloth, Hands& hands, Rng& rng) {
             Vec3f(mean.x(), mean.y(), height) + hand.X_WS.linear() * Vec3f(distance, 0, 0);
       }
     };
-    place(0.30f, 0.053f);
+    place(0.25f, 0.0505f);
     for (RigidShape& hand : hands.shapes) hand.X_WS_prev = hand.X_WS;
-    hands.Move(0.8, [&](float s) { place(0.30f + (stop - 0.30f) * s, 0.053f); });
-    hands.Move(0.4, [&](float s) { place(stop + 0.03f * s, 0.053f + 0.25f * s); });
+    hands.Move(0.6, [&](float s) { place(0.25f + (stop - 0.25f) * s, 0.0505f); });
+    hands.Move(0.2, [&](float s) { place(stop + 0.03f * s, 0.0505f + 0.25f * s); });
     hands.shapes.clear();
   }
   hands.Wait(kSettle_s);
@@ -188,6 +196,18 @@ Vec3f RandomCentre(const StartConfig& config, bool any_pose, Rng& rng) {
   const double angle = rng.Uniform(0, 2 * std::numbers::pi);
   return {static_cast<float>(radius * std::cos(angle)),
           static_cast<float>(radius * std::sin(angle)), 0};
+}
+
+// True if the mouth is hidden and the area within bounds, give or take some labels and a factor.
+bool Serves(const Cloth& cloth, const std::vector<BagLabel>& labels, const CameraModel& camera,
+            const StartConfig& config, int more_labels, double more_area, int& area_px) {
+  const TopView view = LookAtBag(cloth.mesh(), cloth.state().x, labels, camera, kWholeView);
+  int seen = 0;
+  for (const int px : view.label_px) seen += px >= config.label_seen_px;
+  area_px = view.bag_px;
+  return seen < config.mouth_labels + more_labels &&
+         area_px >= config.folded_area_min_px / more_area &&
+         area_px <= config.folded_area_max_px * more_area;
 }
 
 }  // namespace
@@ -213,14 +233,11 @@ Start MakeFoldedStart(const BagConfig& bag, const ClothSolverConfig& solver,
       Drop(cloth, hands, rng);
       if (start.kind == FoldKind::kPush) Push(cloth, hands, rng);
     }
+    // What is far from serving now will not serve once it is at rest.
+    if (!Serves(cloth, labels, camera, config, 2, 1.25, start.area_px)) continue;
     hands.Rest();
     MoveCentre(cloth, RandomCentre(config, any_pose, rng));
-    const TopView view = LookAtBag(cloth.mesh(), cloth.state().x, labels, camera, kWholeView);
-    int seen = 0;
-    for (const int px : view.label_px) seen += px >= config.label_seen_px;
-    start.area_px = view.bag_px;
-    if (seen < config.mouth_labels && view.bag_px >= config.folded_area_min_px &&
-        view.bag_px <= config.folded_area_max_px) {
+    if (Serves(cloth, labels, camera, config, 0, 1, start.area_px)) {
       start.cloth = cloth.state();
       return start;
     }

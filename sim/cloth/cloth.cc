@@ -519,6 +519,10 @@ void Cloth::BeginHold(const PadGap& gap, float limit_N) {
   for (float& d : state_.tether_m) d = d * kTetherSlack + 0.001f;
 }
 
+void Cloth::GatherHold(float factor) {
+  for (HeldPoint& held : state_.held) held.p_T.head<2>() *= factor;
+}
+
 void Cloth::EndHold() {
   state_.held.clear();
   state_.tether_m.clear();

@@ -66,6 +66,8 @@ class Cloth {
   /// area.
   void BeginHold(const PadGap& gap, float limit_N);
   void EndHold();
+  /// Draws what is held together towards the tool's z axis by this factor, as a closing hand does.
+  void GatherHold(float factor);
   bool holding() const { return !state_.held.empty(); }
   /// Thickest stack of cloth between the pads (m), were it pressed together.
   float StackBetween(const PadGap& gap) const;
