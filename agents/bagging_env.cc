@@ -107,7 +107,10 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
   return PerformAndLeave(robot_, motion, [&](ToolMotion& tool) {
     switch (before_.state) {
       case State::kFolded:
-        return GraspLift(tool, p_W, parameter, config_.grasp_lift, motion);
+        return GraspLift(
+            tool, p_W,
+            camera_.model().OntoPlane(before_.bag_centroid, config_.perception.table_height_m),
+            parameter, config_.grasp_lift, motion);
       case State::kUnfolded:
         return ScratchDrag(tool, p_W,
                            before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,

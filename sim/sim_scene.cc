@@ -16,9 +16,9 @@ void SimConfig::Read(ConfigTree& tree) {
   tree.Read("light", light);
   tree.Read("starts", starts);
   if (starts.folded_area_min_px >= starts.folded_area_max_px) {
-    throw InputError("starts.folded_area_min_px = " + std::to_string(starts.folded_area_min_px) +
-                     " is not below starts.folded_area_max_px = " +
-                     std::to_string(starts.folded_area_max_px));
+    throw InputError(
+        "starts.folded_area_min_px = " + std::to_string(starts.folded_area_min_px) +
+        " is not below starts.folded_area_max_px = " + std::to_string(starts.folded_area_max_px));
   }
 }
 
@@ -61,9 +61,9 @@ class SimScene::Slot : public ArmEnvironment {
 
 SimScene::SimScene(const SimConfig& config)
     : config_(config),
-      camera_(OverheadCamera({config.camera.fx, config.camera.fy, config.camera.cx,
-                              config.camera.cy, 640, 480},
-                             config.camera.height_m)),
+      camera_(OverheadCamera(
+          {config.camera.fx, config.camera.fy, config.camera.cx, config.camera.cy, 640, 480},
+          config.camera.height_m)),
       arm_(ArmModel::Load(config.robot, AssetsFolder())),
       labels_(MakeLabels(config.bag)),
       cube_mesh_(BoxMesh(Eigen::Vector3d::Constant(config.world.cube_side_m))),
@@ -102,10 +102,9 @@ Start SimScene::MakeStart(StartKind kind, std::uint64_t seed) const {
     start.area_px = static_cast<int>(state.held_clear_s);
     return start;
   }
-  Start start = folded ? MakeFoldedStart(config_.bag, config_.solver, config_.starts, camera_, any,
-                                         seed)
-                       : MakeUnfoldedStart(config_.bag, config_.solver, config_.starts, camera_,
-                                           any, seed);
+  Start start =
+      folded ? MakeFoldedStart(config_.bag, config_.solver, config_.starts, camera_, any, seed)
+             : MakeUnfoldedStart(config_.bag, config_.solver, config_.starts, camera_, any, seed);
   state.cloth = start.cloth;
   state.time_s = static_cast<int>(start.kind);
   state.rest_s = start.attempts;
@@ -141,8 +140,7 @@ void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   UnpackSnapshot(snapshot, state, robot);
   if (state.cloth.x.size() != world_->cloth().state().x.size()) {
     throw InputError("snapshot is of a bag with " + std::to_string(state.cloth.x.size()) +
-                     " nodes, this bag has " +
-                     std::to_string(world_->cloth().state().x.size()));
+                     " nodes, this bag has " + std::to_string(world_->cloth().state().x.size()));
   }
   Rebuild(state, robot);
   robot_->SeedSensors(DeriveSeed(sensor_seed, "torque"));

@@ -21,7 +21,8 @@ namespace gusset {
 
 /// The overhead camera. RealSense D435-like intrinsics at 640x480.
 struct CameraConfig {
-  double height_m = 1.066;  ///< 577 px/m at the table: a flat bag covers what it does in figure 5.2.
+  double height_m =
+      1.066;  ///< 577 px/m at the table: a flat bag covers what it does in figure 5.2.
   double fx = 615, fy = 615, cx = 320, cy = 240;
 
   template <class V>

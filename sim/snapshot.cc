@@ -76,9 +76,7 @@ void Visit(Stream& s, World& world, Robot& robot) {
   };
   const auto vec3 = [&](auto& v) { s.Values(v.data(), 3); };
   const auto plain = [&](auto& v) { s.Value(v); };
-  const auto pose = [&](auto& X) {
-    s.Values(X.matrix().data(), 16);
-  };
+  const auto pose = [&](auto& X) { s.Values(X.matrix().data(), 16); };
   s.Value(world.time_s);
   list(world.cloth.x, vec3);
   list(world.cloth.v, vec3);

@@ -16,7 +16,7 @@ constexpr double kFoldTime_s = 0.7;
 constexpr double kSettle_s = 0.5;
 constexpr double kMostRest_s = 4.0;
 constexpr float kRestSpeed_m_s = 0.003f;  // root mean square
-constexpr float kGathered = 0.25f;  // what a hand leaves of the width that it closes round
+constexpr float kGathered = 0.25f;        // what a hand leaves of the width that it closes round
 constexpr float kGatherTime_s = 0.5f;
 constexpr float kHandForce_N = 60.0f;  // two hands hold faster than a gripper
 constexpr std::array<int, 4> kWholeView = {0, 0, 640, 480};
@@ -121,8 +121,8 @@ void Fold(Cloth& cloth, Hands& hands, Rng& rng) {
   hands.Wait(kSettle_s);
 }
 
-// A hand closes round a random point, which gathers the cloth there, lifts it to kDropHeight_m above
-// the table, and lets go.
+// A hand closes round a random point, which gathers the cloth there, lifts it to kDropHeight_m
+// above the table, and lets go.
 void Drop(Cloth& cloth, Hands& hands, Rng& rng) {
   const int node = rng.Below(cloth.mesh().node_count());
   const Vec3f p = cloth.state().x[node];
@@ -192,7 +192,8 @@ void MoveCentre(Cloth& cloth, const Vec3f& centre) {
 }
 
 Vec3f RandomCentre(const StartConfig& config, bool any_pose, Rng& rng) {
-  const double radius = (any_pose ? config.any_centre_m : config.centre_m) * std::sqrt(rng.Uniform());
+  const double radius =
+      (any_pose ? config.any_centre_m : config.centre_m) * std::sqrt(rng.Uniform());
   const double angle = rng.Uniform(0, 2 * std::numbers::pi);
   return {static_cast<float>(radius * std::cos(angle)),
           static_cast<float>(radius * std::sin(angle)), 0};

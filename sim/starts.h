@@ -23,11 +23,11 @@ struct Start {
 struct StartConfig {
   int folded_area_min_px = 7000;
   int folded_area_max_px = 15000;
-  int label_seen_px = 12;     ///< A label counts as seen from this many pixels.
-  int mouth_labels = 3;       ///< The mouth is hidden while fewer labels are seen.
-  double centre_m = 0.03;     ///< Spread of the bag's centre.
-  double yaw_deg = 20;        ///< Spread of an unfolded bag's yaw.
-  double any_centre_m = 0.06; ///< The same for `--pose any`, whose yaw is free.
+  int label_seen_px = 12;      ///< A label counts as seen from this many pixels.
+  int mouth_labels = 3;        ///< The mouth is hidden while fewer labels are seen.
+  double centre_m = 0.03;      ///< Spread of the bag's centre.
+  double yaw_deg = 20;         ///< Spread of an unfolded bag's yaw.
+  double any_centre_m = 0.06;  ///< The same for `--pose any`, whose yaw is free.
 
   template <class V>
   void Fields(V& v) {

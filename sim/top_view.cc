@@ -46,16 +46,16 @@ TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<B
     const float twice = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
     if (std::abs(twice) < 1e-9f) continue;
     const int c0 = std::max(0, static_cast<int>(std::ceil(std::min({a.x(), b.x(), c.x()}))));
-    const int c1 = std::min(width - 1, static_cast<int>(std::floor(std::max({a.x(), b.x(), c.x()}))));
+    const int c1 =
+        std::min(width - 1, static_cast<int>(std::floor(std::max({a.x(), b.x(), c.x()}))));
     const int r0 = std::max(0, static_cast<int>(std::ceil(std::min({a.y(), b.y(), c.y()}))));
-    const int r1 = std::min(height - 1, static_cast<int>(std::floor(std::max({a.y(), b.y(), c.y()}))));
+    const int r1 =
+        std::min(height - 1, static_cast<int>(std::floor(std::max({a.y(), b.y(), c.y()}))));
     for (int row = r0; row <= r1; ++row) {
       for (int col = c0; col <= c1; ++col) {
         const float px = static_cast<float>(col), py = static_cast<float>(row);
-        const float w0 =
-            ((b.x() - px) * (c.y() - py) - (b.y() - py) * (c.x() - px)) / twice;
-        const float w1 =
-            ((c.x() - px) * (a.y() - py) - (c.y() - py) * (a.x() - px)) / twice;
+        const float w0 = ((b.x() - px) * (c.y() - py) - (b.y() - py) * (c.x() - px)) / twice;
+        const float w1 = ((c.x() - px) * (a.y() - py) - (c.y() - py) * (a.x() - px)) / twice;
         const float w2 = 1 - w0 - w1;
         if (w0 < 0 || w1 < 0 || w2 < 0) continue;
         const std::size_t at = static_cast<std::size_t>(row * width + col);

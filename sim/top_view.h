@@ -19,8 +19,8 @@ std::vector<BagLabel> MakeLabels(const BagConfig& bag);
 
 /// What an ideal camera sees of a bag alone: ground truth for labels, starts and tests.
 struct TopView {
-  int bag_px = 0;                      ///< Pixels of the ROI that show the bag.
-  std::vector<int> label_px;           ///< Pixels that show each label, in MakeLabels' order.
+  int bag_px = 0;             ///< Pixels of the ROI that show the bag.
+  std::vector<int> label_px;  ///< Pixels that show each label, in MakeLabels' order.
   std::vector<Eigen::Vector2d> label_centre_px;  ///< Their centroids (where label_px > 0).
   /// Bag pixels as a row-major mask over the ROI, 1 where the bag is.
   std::vector<unsigned char> mask;

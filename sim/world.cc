@@ -36,12 +36,11 @@ constexpr int kClearEvery = 24;
 
 btTransform ToBullet(const Eigen::Isometry3d& X) {
   const Eigen::Matrix3d& R = X.linear();
-  return btTransform(
-      btMatrix3x3(btScalar(R(0, 0)), btScalar(R(0, 1)), btScalar(R(0, 2)), btScalar(R(1, 0)),
-                  btScalar(R(1, 1)), btScalar(R(1, 2)), btScalar(R(2, 0)), btScalar(R(2, 1)),
-                  btScalar(R(2, 2))),
-      btVector3(btScalar(X.translation().x()), btScalar(X.translation().y()),
-                btScalar(X.translation().z())));
+  return btTransform(btMatrix3x3(btScalar(R(0, 0)), btScalar(R(0, 1)), btScalar(R(0, 2)),
+                                 btScalar(R(1, 0)), btScalar(R(1, 1)), btScalar(R(1, 2)),
+                                 btScalar(R(2, 0)), btScalar(R(2, 1)), btScalar(R(2, 2))),
+                     btVector3(btScalar(X.translation().x()), btScalar(X.translation().y()),
+                               btScalar(X.translation().z())));
 }
 
 Eigen::Isometry3d FromBullet(const btTransform& t) {
@@ -78,9 +77,8 @@ struct World::Impl {
         cloth(MakeBagMesh(bag), bag, solver),
         cloth_solver(cloth, [this](float dt) { SolveCloth(dt); }) {
     dispatcher = std::make_unique<btCollisionDispatcher>(&collision_config);
-    world = std::make_unique<btSoftRigidDynamicsWorld>(dispatcher.get(), &broadphase,
-                                                       &rigid_solver, &collision_config,
-                                                       &cloth_solver);
+    world = std::make_unique<btSoftRigidDynamicsWorld>(dispatcher.get(), &broadphase, &rigid_solver,
+                                                       &collision_config, &cloth_solver);
     world->setGravity(btVector3(0, 0, btScalar(-kGravity)));
     world->getWorldInfo().m_gravity = world->getGravity();
     // The table: a thick slab, so that nothing ends up beneath it.
@@ -206,8 +204,8 @@ struct World::Impl {
       const Eigen::Quaternionf q(c.X_WS.linear());
       const Eigen::Quaternionf n = q.normalized();
       btTransform t;
-      t.setOrigin(btVector3(c.X_WS.translation().x(), c.X_WS.translation().y(),
-                            c.X_WS.translation().z()));
+      t.setOrigin(
+          btVector3(c.X_WS.translation().x(), c.X_WS.translation().y(), c.X_WS.translation().z()));
       t.setRotation(btQuaternion(n.x(), n.y(), n.z(), n.w()));
       cube->setWorldTransform(t);
       cube->applyCentralImpulse(btVector3(c.impulse.x(), c.impulse.y(), c.impulse.z()));
@@ -239,14 +237,15 @@ struct World::Impl {
   void GrabCube(const Eigen::Isometry3d& X_TC) {
     DropCube();
     // Frames in body A (the tool) and B (the cube): all six degrees of freedom locked.
-    cube_hold = std::make_unique<btGeneric6DofSpring2Constraint>(
-        *anchor, *cube, ToBullet(X_TC), btTransform::getIdentity());
+    cube_hold = std::make_unique<btGeneric6DofSpring2Constraint>(*anchor, *cube, ToBullet(X_TC),
+                                                                 btTransform::getIdentity());
     for (int axis = 0; axis < 6; ++axis) cube_hold->setLimit(axis, 0, 0);
     world->addConstraint(cube_hold.get(), true);
     X_TCube = X_TC;
     // Inside the grip there is nothing for the fingers to collide with.
     for (const std::vector<std::size_t>* finger : {&finger_a, &finger_b}) {
-      for (const std::size_t s : *finger) cube->setIgnoreCollisionCheck(links[s - 1].body.get(), true);
+      for (const std::size_t s : *finger)
+        cube->setIgnoreCollisionCheck(links[s - 1].body.get(), true);
     }
   }
 
@@ -261,7 +260,8 @@ struct World::Impl {
     }
   }
 
-  // The tool's locked joint tells how hard it pulls; beyond what the pads' friction gives, it slips.
+  // The tool's locked joint tells how hard it pulls; beyond what the pads' friction gives, it
+  // slips.
   void CheckCubeHold() {
     if (!cube_hold) return;
     const Eigen::Vector3d pull = CubeForce();
@@ -303,7 +303,8 @@ struct World::Impl {
     for (std::size_t s = 1; s < shapes.size(); ++s) {
       const Vec3f p = shapes[s].X_WS.translation();
       const Vec3f r = shapes[s].X_WS.linear().cwiseAbs() * shapes[s].half;
-      const bool cloth_near = ((p + r).array() > lo.array()).all() && ((p - r).array() < hi.array()).all();
+      const bool cloth_near =
+          ((p + r).array() > lo.array()).all() && ((p - r).array() < hi.array()).all();
       const bool cube_near = ((p + r).array() > (cube_p - cube_r).array()).all() &&
                              ((p - r).array() < (cube_p + cube_r).array()).all();
       if (cloth_near || cube_near) return true;

@@ -26,13 +26,13 @@ struct WorldState {
   bool cube_held = false;
   Eigen::Isometry3d X_TCube = Eigen::Isometry3d::Identity();  ///< While held.
   double hold_force_N = 0;
-  double rest_s = 0;           ///< How long everything has been slow.
-  double held_clear_s = 0;     ///< See Truth.
+  double rest_s = 0;        ///< How long everything has been slow.
+  double held_clear_s = 0;  ///< See Truth.
 };
 
 /// Table, bag, cube and the arm's links in Bullet. The bag is a btSoftBody whose nodes are moved by
-/// Cloth through Bullet's own extension point, btSoftBodySolver; cube, table and kinematic arm links
-/// are Bullet's, as is contact between them.
+/// Cloth through Bullet's own extension point, btSoftBodySolver; cube, table and kinematic arm
+/// links are Bullet's, as is contact between them.
 ///
 /// Bullet's solver keeps warm-start impulses and pair orders that cannot be saved, so a world is
 /// never rewound: a state is restored by building a new World from it.

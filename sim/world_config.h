@@ -8,11 +8,11 @@ namespace gusset {
 
 /// What is in the world besides bag and arm, and when it counts as at rest.
 struct WorldConfig {
-  double cube_side_m = 0.035;     ///< Its size in figure 5.2 f.
+  double cube_side_m = 0.035;  ///< Its size in figure 5.2 f.
   double cube_mass_kg = 0.040;
-  double cube_friction = 0.5;     ///< Against table and gripper.
+  double cube_friction = 0.5;                     ///< Against table and gripper.
   std::vector<double> cube_wait_m = {0.42, 0.0};  ///< Where it waits, on the table.
-  double pad_width_m = 0.022;     ///< 2F-85 manual: pads of 22 x 37.5 mm.
+  double pad_width_m = 0.022;                     ///< 2F-85 manual: pads of 22 x 37.5 mm.
   double pad_height_m = 0.0375;
   double pad_friction = 0.7;      ///< Rubber on cloth and cube.
   double rest_speed_m_s = 0.003;  ///< Cube and cloth (root mean square) slower than this ...

@@ -4,33 +4,43 @@
 #include <numbers>
 
 namespace gusset {
+namespace {
 
-void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, int parameter,
-               const GraspLiftConfig& config, const MotionConfig& motion) {
+// Closer to the centre than this, a grasp point has no side of its own; pulled towards the base.
+constexpr double kCentral_m = 0.01;
+
+Eigen::Vector3d At(const Eigen::Vector3d& p, double z) { return {p.x(), p.y(), z}; }
+
+}  // namespace
+
+void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& centre_W,
+               int parameter, const GraspLiftConfig& config, const MotionConfig& motion) {
   const double degree = std::numbers::pi / 180;
   const double closing = config.closing_deg * degree;
-  const auto over = [&](double z) { return Eigen::Vector3d(p_W.x(), p_W.y(), z); };
 
-  // tau_grasp: down to the table, gather, close. A crumpled bag may stand higher than the approach.
-  tool.Fingers(config.gather_opening_m);
-  tool.Approach(over(std::max(motion.approach_m, p_W.z() + 0.03)), closing);
-  tool.GoUntilContact(over(-0.005), motion.contact_force_N);
-  for (int i = 0; i < config.gather_cycles; ++i) {
-    tool.Fingers(config.gather_closing_m);
-    tool.Fingers(config.gather_opening_m);
-  }
+  // tau_grasp. A crumpled bag may stand higher than the approach.
+  tool.Fingers(config.opening_m);
+  tool.Approach(At(p_W, std::max(motion.approach_m, p_W.z() + 0.03)), closing);
+  tool.Go(At(p_W, p_W.z() + 0.01), motion.descend_speed_m_s);
+  tool.GoUntilContact(At(p_W, std::max(0.0, p_W.z() - config.bite_m)), config.contact_force_N);
   tool.Fingers(0);
 
-  // mu_lift: up, hang, lay down while moving, let go.
-  tool.Go(over(motion.approach_m), config.lift_speed_m_s);
-  const double tilt = config.tilt_deg * degree;
-  tool.GoTilted({0, config.lay_start_m, config.hang_height_m}, closing, tilt,
-                config.lift_speed_m_s);
+  // mu_lift: up, outwards, down.
+  Eigen::Vector3d outwards = At(p_W - centre_W, 0);
+  outwards = outwards.norm() > kCentral_m ? Eigen::Vector3d(outwards.normalized())
+                                          : Eigen::Vector3d(-Eigen::Vector3d::UnitY());
+  Eigen::Vector3d target = At(centre_W, 0) + outwards * config.pull_m;
+  if (target.norm() > config.reach_m) target *= config.reach_m / target.norm();
+  const double height = config.lift_height_m(parameter);
+  const double tilt = height > config.tilt_above_m ? config.tilt_deg * degree : 0;
+  tool.Go(At(p_W, std::min(height, motion.approach_m)), config.lift_speed_m_s);
+  tool.GoTilted(At(0.5 * (p_W + centre_W), height), closing, tilt, config.lift_speed_m_s);
   tool.Wait(config.hang_s);
-  const double height = config.release_height_m(parameter);
-  tool.GoTilted({0, config.lay_end_m, height}, closing, tilt, config.lay_speed_m_s);
+  tool.GoTilted(At(0.5 * (centre_W + target), 0.6 * height), closing, 0.5 * tilt,
+                config.lay_speed_m_s);
+  tool.GoTilted(At(target, config.release_height_m), closing, 0, config.lay_speed_m_s);
   tool.OpenFingers();
-  tool.Go({0, config.lay_end_m, height + motion.approach_m}, config.rise_speed_m_s);
+  tool.Go(At(target, config.release_height_m + motion.approach_m), config.rise_speed_m_s);
 }
 
 }  // namespace gusset

@@ -15,7 +15,7 @@ struct BagConfig {
   double depth_m = 0.35;        ///< From rim to bottom seam (Table 5.3, "width").
   double thickness_m = 0.0015;  ///< One ply; used by contact, grasp and rendering alike.
   double area_density_kg_m2 = 0.24;
-  double flexural_rigidity_Nm = 5e-5;
+  double flexural_rigidity_Nm = 2e-5;
   double friction_cloth = 0.5;    ///< Cloth on cloth.
   double friction_table = 0.6;    ///< Cloth on the canvas.
   double friction_cube = 0.5;     ///< Cloth on the cube.
