@@ -18,8 +18,8 @@ struct GraspLiftConfig {
   double tilt_deg = -29;      ///< Of the gripper above tilt_above_m (29 in the authors' code);
                               ///< < 0: the wrist leans away from the base.
   double tilt_above_m = 0.22;
-  double pull_m = 0.28;   ///< From the bag's centre outwards, past the grasp point ...
-  double reach_m = 0.23;  ///< ... but no further than this from the table's middle.
+  double pull_m = 0.34;    ///< From the bag's centre outwards, past the grasp point ...
+  double reach_m = 0.245;  ///< ... but no further than this from the table's middle.
   double lay_speed_m_s = 0.25;
   double release_height_m = 0.008;
   double rise_speed_m_s = 0.10;  ///< Away from the cloth, without pulling it along.
