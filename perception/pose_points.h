@@ -17,8 +17,9 @@ cv::Point2d GridPoint(const Quad& quad, double along, double away);
 /// Centres of the cells of a zeta x zeta grid (Eq. 5.12), row by row from the first side.
 std::vector<cv::Point2d> CellCentres(const Quad& quad, int zeta);
 
-/// `count` points on a line beside the first side, at 1.6/9 of the figure's length from it: the
-/// share that the thesis's authors used in their own code (and figure 5.2 b shows).
+/// `count` points on a line beside the first side, at 0.5/9 of the figure's length from it. Tuned,
+/// 2026-11, on unfolded starts of Bag 1: a page turns only when it is held near its rim. (The
+/// thesis's authors used 1.6/9 in their own code.)
 std::vector<cv::Point2d> RimPoints(const Quad& quad, int count);
 
 /// Moves each point that is not on the mask to the nearest pixel of it that is at least `inset_px`

@@ -11,6 +11,7 @@ namespace gusset {
 namespace {
 
 constexpr int kMostAttempts = 300;
+constexpr int kDropsInARow = 8;  // before a dropped bag is laid flat again
 constexpr float kDropHeight_m = 0.30f;
 constexpr double kFoldTime_s = 0.7;
 constexpr double kSettle_s = 0.5;
@@ -154,7 +155,7 @@ void Drop(Cloth& cloth, Hands& hands, Rng& rng) {
 // Two flat hands push the bag together from opposite sides, leave upwards, and do it again across.
 void Push(Cloth& cloth, Hands& hands, Rng& rng) {
   const double theta = rng.Uniform(0, std::numbers::pi);
-  const float stop = static_cast<float>(rng.Uniform(0.035, 0.05));
+  const float stop = static_cast<float>(rng.Uniform(0.05, 0.07));
   for (int turn = 0; turn < 2; ++turn) {
     const Vec3f mean = Mean(cloth.state().x);
     for (int k = 0; k < 2; ++k) {
@@ -225,7 +226,10 @@ Start MakeFoldedStart(const BagConfig& bag, const ClothSolverConfig& solver,
     Rng rng(DeriveSeed(seed, "fold attempt", static_cast<std::uint64_t>(start.attempts)));
     const double yaw = rng.Uniform(0, 2 * std::numbers::pi);
     const bool other_side = rng.Below(2) == 1;
-    LayFlat(cloth, bag, yaw, other_side, Vec3f::Zero());
+    // Folds begin with a flat bag; a bag that was dropped is picked up again as it lies.
+    if (start.kind == FoldKind::kFolds || start.attempts % kDropsInARow == 1) {
+      LayFlat(cloth, bag, yaw, other_side, Vec3f::Zero());
+    }
     Hands hands(cloth, 1.0 / solver.substeps_per_s);
     if (start.kind == FoldKind::kFolds) {
       const int folds = 2 + rng.Below(2);

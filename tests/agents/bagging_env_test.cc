@@ -32,6 +32,17 @@ class BaggingEnvTest : public FolderTest {
     return path;
   }
 
+  // The same while something is held: from the fingers' closing to their next opening.
+  std::vector<Eigen::Vector3d> HeldPath() const {
+    std::vector<Eigen::Vector3d> path;
+    bool held = false;
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kFingers) held = move.value == 0;
+      if (held && move.kind == Move::kTo) path.push_back(move.X_WT.translation());
+    }
+    return path;
+  }
+
   FakeRig rig_;
   BaggingConfig config_;
   BaggingEnv env_{rig_, rig_, rig_, rig_, config_};
@@ -83,16 +94,32 @@ TEST_F(BaggingEnvTest, TheRefereeChangesNothingThatTheAgentIsGiven) {
   EXPECT_EQ(cheated.log["layers_held"], 2) << "the log is told";
 }
 
-TEST_F(BaggingEnvTest, GraspLiftReleasesAtTheHeightOfItsParameter) {
+TEST_F(BaggingEnvTest, GraspLiftLiftsToTheHeightOfItsParameterAndLaysTheBagDownLow) {
   for (int k = 0; k < 9; ++k) {
     (void)Act(0, 4 * 9 + k, 1);
-    // The last opening of the fingers is the release.
-    Eigen::Vector3d released = Eigen::Vector3d::Zero();
-    for (const Move& move : rig_.moves) {
-      if (move.kind == Move::kFingers && move.value == 0.085) released = move.X_WT.translation();
+    const std::vector<Eigen::Vector3d> path = HeldPath();
+    double highest = 0;
+    for (const Eigen::Vector3d& p : path) highest = std::max(highest, p.z());
+    EXPECT_NEAR(highest, config_.grasp_lift.lift_height_m(k), 1e-12);
+    EXPECT_NEAR(path.back().z(), config_.grasp_lift.release_height_m, 1e-12);
+  }
+}
+
+TEST_F(BaggingEnvTest, GraspLiftPullsOutwardsPastItsPointAndWithinReach) {
+  for (int point = 0; point < 9; ++point) {
+    (void)Act(0, point * 9 + 3, 1);
+    const Eigen::Vector3d centre =
+        rig_.model().OntoPlane(env_.before().bag_centroid, config_.perception.table_height_m);
+    const Eigen::Vector3d grasp = env_.before().grasp_points[point].p_W;
+    const Eigen::Vector2d pulled = (HeldPath().back() - centre).head<2>();
+    const Eigen::Vector2d side = (grasp - centre).head<2>();
+    // The arm reaches a disc of 0.25 m round the table's middle.
+    EXPECT_LE(HeldPath().back().head<2>().norm(), 0.25);
+    EXPECT_GT(pulled.norm(), side.norm());
+    // A point at the centre has no side of its own.
+    if (side.norm() > 0.02) {
+      EXPECT_GT(pulled.dot(side), 0) << "point " << point;
     }
-    EXPECT_NEAR(released.z(), 0.02 + 0.03 * k, 1e-12);
-    EXPECT_LE(std::abs(released.y()), 0.08);
   }
 }
 

@@ -239,12 +239,12 @@ TEST(Perceive, FoldedPointsDependOnYawButNotOnPosition) {
   EXPECT_LT(middle.grasp_points[0].px.y, middle.grasp_points[8].px.y);
 }
 
-TEST(Perceive, UnfoldedPointsLieWhereTheThesisHasThem) {
+TEST(Perceive, UnfoldedPointsLieBesideTheRim) {
   const Observation o = Look(FrameOf(1));
   for (int k = 0; k < 9; ++k) {
-    // 1.6/9 of the depth from the rim, spread over the width; from the right since the rim is up.
+    // 0.5/9 of the depth from the rim, spread over the width; from the right since the rim is up.
     EXPECT_NEAR(o.grasp_points[k].px.x, 320 + synthetic::kHalfWidth * (1 - (2 * k + 1) / 9.), 1.5);
-    EXPECT_NEAR(o.grasp_points[k].px.y, 240 - synthetic::kHalfDepth * (1 - 3.2 / 9), 1.5);
+    EXPECT_NEAR(o.grasp_points[k].px.y, 240 - synthetic::kHalfDepth * (1 - 1.0 / 9), 1.5);
     EXPECT_NEAR(o.place_points[k].px.y, 240 + synthetic::kHalfDepth * (k / 3 - 1) * 2 / 3, 1.5);
   }
 }

@@ -35,7 +35,7 @@ TEST(PosePoints, RimPointsLieAtTheirShareOfTheLength) {
   ASSERT_EQ(points.size(), 9u);
   for (int k = 0; k < 9; ++k) {
     EXPECT_NEAR(points[k].x, 85 - 10 * k, 1e-9);
-    EXPECT_NEAR(points[k].y, 180 * 1.6 / 9, 1e-9);
+    EXPECT_NEAR(points[k].y, 180 * 0.5 / 9, 1e-9);
   }
 }
 

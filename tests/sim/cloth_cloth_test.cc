@@ -137,14 +137,19 @@ TEST(Cloth, SlidesAsFarAsFrictionAllows) {
   EXPECT_NEAR(way, expected, 0.05 * expected);
 }
 
+// World sleeps below this root mean square speed (WorldConfig::rest_speed_m_s); a bag dropped from
+// 0.25 m falls below it within 5 s and stays there for the second that is watched.
 TEST(Cloth, ComesToRest) {
   Bench bench(true);
   bench.Run(0.3);
   bench.GrabAt({0.05f, 0.05f, 0});
   bench.Run(1.0, Vec3f(0, 0, 0.25f));
   bench.cloth.EndHold();
-  bench.Run(6.0);
-  EXPECT_LT(bench.cloth.MaxSpeed(), 1e-3f);
+  bench.Run(5.0);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_LT(bench.cloth.RmsSpeed(), 0.003f) << 5 + 0.05 * i << " s after the drop";
+    bench.Run(0.05);
+  }
 }
 
 TEST(Cloth, NeverPassesThroughItself) {
