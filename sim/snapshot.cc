@@ -14,6 +14,7 @@ constexpr std::string_view kMagic = "gusset snapshot 1\n";
 
 class Writer {
  public:
+  void Value(bool value) { Value(static_cast<std::uint8_t>(value)); }
   template <class T>
   void Value(const T& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -32,6 +33,12 @@ class Reader {
   explicit Reader(const std::string& bytes) : bytes_(bytes) {
     if (!bytes.starts_with(kMagic)) throw InputError("not a gusset snapshot");
     at_ = kMagic.size();
+  }
+  void Value(bool& value) {
+    std::uint8_t byte;
+    Value(byte);
+    if (byte > 1) throw InputError("snapshot holds a truth value that is none");
+    value = byte == 1;
   }
   template <class T>
   void Value(T& value) {

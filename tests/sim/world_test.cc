@@ -1,0 +1,145 @@
+#include "sim/world.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.h"
+#include "sim/snapshot.h"
+#include "tests/sim/robot_fixture.h"
+
+namespace gusset {
+namespace {
+
+// Two layers laid flat over the table's centre, a hair above it, mouth towards -y.
+ClothState LaidFlat(const BagConfig& bag) {
+  ClothState cloth;
+  for (Vec3f p : MakeBagMesh(bag).rest) {
+    p -= Vec3f(static_cast<float>(0.5 * bag.opening_m), static_cast<float>(0.5 * bag.depth_m), 0);
+    p.z() += static_cast<float>(bag.thickness_m) + 0.0005f;
+    cloth.x.push_back(p);
+  }
+  cloth.v.assign(cloth.x.size(), Vec3f::Zero());
+  return cloth;
+}
+
+std::vector<Eigen::Isometry3d> WaitingLinks() {
+  std::vector<Eigen::Isometry3d> X_WL;
+  Iiwa().LinkPoses(Iiwa().waiting(), Iiwa().max_opening_m(), X_WL);
+  return X_WL;
+}
+
+// Bag and cube on the table, the arm waiting far from both.
+class Scene {
+ public:
+  Scene() : world(BagConfig{}, ClothSolverConfig{}, WorldConfig{}, Iiwa()) {
+    WorldState state;
+    state.cloth = LaidFlat({});
+    state.cube = world.cube();
+    Start(state);
+  }
+  explicit Scene(const WorldState& state)
+      : world(BagConfig{}, ClothSolverConfig{}, WorldConfig{}, Iiwa()) {
+    Start(state);
+  }
+  void Steps(int count) {
+    for (int i = 0; i < count; ++i) world.Step(X_WL, Iiwa().max_opening_m(), true);
+  }
+
+  World world;
+
+ private:
+  void Start(const WorldState& state) {
+    world.SetState(state);
+    world.PlaceArm(X_WL, Iiwa().max_opening_m());
+  }
+  std::vector<Eigen::Isometry3d> X_WL = WaitingLinks();
+};
+
+SimRobotState Waiting() {
+  SimRobotState robot;
+  robot.q = Iiwa().waiting();
+  robot.opening_m = Iiwa().max_opening_m();
+  return robot;
+}
+
+TEST(World, CubeRestsOnTheTableWhereItWaits) {
+  Scene scene;
+  scene.world.Settle(0.5);
+  const Eigen::Vector3d p = scene.world.cube().X_WB.translation();
+  // Bullet lets bodies sink into each other by a fraction of their margins of 0.5 mm.
+  EXPECT_NEAR(p.z(), 0.0175, 0.0005);
+  EXPECT_NEAR(p.x(), 0.42, 0.0005);
+  EXPECT_NEAR(p.y(), 0, 0.0005);
+  EXPECT_LT(scene.world.cube().v_m_s.norm(), 0.003);
+  EXPECT_FALSE(scene.world.cube_held());
+  EXPECT_FALSE(scene.world.InsideBag(p));
+}
+
+TEST(World, AFlatBagFallsAsleepAndThenStaysAsItIs) {
+  Scene scene;
+  scene.world.Settle(3);
+  ASSERT_TRUE(scene.world.asleep());
+  const Vec3Array before = scene.world.cloth().state().x;
+  scene.world.Settle(1);
+  EXPECT_EQ(scene.world.cloth().state().x, before);
+}
+
+// Mid-planes of the two layers lie half and one and a half thicknesses above the table, so the
+// fingertips' height alone decides what is held.
+TEST(World, FingertipHeightDecidesWhichLayersAreHeld) {
+  Scene scene;
+  scene.world.Settle(0.5);
+  Cloth& cloth = scene.world.cloth();
+  const auto layers_held_at = [&](float tip_m) {
+    PadGap gap;
+    gap.X_WT.linear() = Vec3f(1, -1, -1).asDiagonal();
+    gap.X_WT.translation() = Vec3f(0, 0, tip_m);
+    gap.opening_m = 0.010f;
+    cloth.BeginHold(gap, 20);
+    std::set<int> layers;
+    for (const HeldPoint& held : cloth.state().held) layers.insert(held.layer);
+    cloth.EndHold();
+    return layers;
+  };
+  EXPECT_EQ(layers_held_at(0.0f), (std::set<int>{0, 1}));
+  EXPECT_EQ(layers_held_at(0.0015f), (std::set<int>{1}));
+  EXPECT_EQ(layers_held_at(0.004f), (std::set<int>{}));
+}
+
+TEST(World, ASnapshotGoesOnWithTheSameBitsWhateverElseIsStepped) {
+  Scene scene;
+  scene.world.Settle(0.05);  // still falling: every array matters
+  ASSERT_FALSE(scene.world.asleep());
+  const std::string bytes = PackSnapshot(scene.world.state(), Waiting());
+  WorldState state;
+  SimRobotState robot;
+  UnpackSnapshot(bytes, state, robot);
+  EXPECT_EQ(PackSnapshot(state, robot), bytes);
+
+  Scene alone(state), beside_another(state), another;
+  alone.Steps(50);
+  for (int i = 0; i < 50; ++i) {
+    another.Steps(1);
+    beside_another.Steps(1);
+  }
+  const std::string expected = PackSnapshot(alone.world.state(), robot);
+  EXPECT_NE(expected, bytes) << "nothing moved: the test shows nothing";
+  EXPECT_EQ(PackSnapshot(beside_another.world.state(), robot), expected);
+}
+
+TEST(Snapshot, RefusesBytesThatAreCutShortOrForeign) {
+  const Scene scene;
+  const std::string bytes = PackSnapshot(scene.world.state(), Waiting());
+  WorldState state;
+  SimRobotState robot;
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{5}, bytes.size() / 3, bytes.size() / 2, bytes.size() - 1}) {
+    EXPECT_THROW(UnpackSnapshot(bytes.substr(0, length), state, robot), InputError) << length;
+  }
+  EXPECT_THROW(UnpackSnapshot(bytes + '\0', state, robot), InputError);
+  EXPECT_THROW(UnpackSnapshot("a photograph", state, robot), InputError);
+}
+
+}  // namespace
+}  // namespace gusset
