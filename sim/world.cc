@@ -30,7 +30,7 @@ constexpr double kFullGap = 0.9;
 constexpr int kStackEvery = 3;
 // An awake world is checked for runaway speeds this often.
 constexpr int kCheckEvery = 8;
-// Episode success asks for this height (design.md, section 6).
+// Episode success asks for this height (docs/loop.md).
 constexpr double kClear_m = 0.15;
 constexpr int kClearEvery = 24;
 
@@ -234,6 +234,15 @@ struct World::Impl {
            2 * extent.x() + 0.0004 >= opening;
   }
 
+  // Whether the cube passes through the fingers, as it must where they hold it.
+  void IgnoreFingers(bool ignore) {
+    for (const std::vector<std::size_t>* finger : {&finger_a, &finger_b}) {
+      for (const std::size_t s : *finger) {
+        cube->setIgnoreCollisionCheck(links[s - 1].body.get(), ignore);
+      }
+    }
+  }
+
   void GrabCube(const Eigen::Isometry3d& X_TC) {
     DropCube();
     // Frames in body A (the tool) and B (the cube): all six degrees of freedom locked.
@@ -243,21 +252,14 @@ struct World::Impl {
     world->addConstraint(cube_hold.get(), true);
     X_TCube = X_TC;
     // Inside the grip there is nothing for the fingers to collide with.
-    for (const std::vector<std::size_t>* finger : {&finger_a, &finger_b}) {
-      for (const std::size_t s : *finger)
-        cube->setIgnoreCollisionCheck(links[s - 1].body.get(), true);
-    }
+    IgnoreFingers(true);
   }
 
   void DropCube() {
     if (!cube_hold) return;
     world->removeConstraint(cube_hold.get());
     cube_hold.reset();
-    for (const std::vector<std::size_t>* finger : {&finger_a, &finger_b}) {
-      for (const std::size_t s : *finger) {
-        cube->setIgnoreCollisionCheck(links[s - 1].body.get(), false);
-      }
-    }
+    IgnoreFingers(false);
   }
 
   // The tool's locked joint tells how hard it pulls; beyond what the pads' friction gives, it

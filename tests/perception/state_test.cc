@@ -135,7 +135,7 @@ TEST(State, FigureFiveTwoHasItsStates) {
   EXPECT_EQ(StateOf(evidence), State::kFilled);
 }
 
-/// The table of design.md, section 5, row by row: how many rows give each combination, first match
+/// The table of docs/loop.md, row by row: how many rows give each combination, first match
 /// wins, and what state that is.
 State ByTable(const Evidence& e, const BagThresholds& t) {
   const bool mouth = e.labels_seen >= 3;

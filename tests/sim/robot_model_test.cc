@@ -191,7 +191,7 @@ TEST(Iiwa, LoadsWithItsMeshesAndWeighsWhatItShould) {
     (link.name.starts_with("link_") ? arm_kg : gripper_kg) += link.mass_kg;
     for (const VisualMesh& visual : link.visuals) triangles += visual.mesh.triangles.size();
   }
-  EXPECT_NEAR(arm_kg, 30.61, 0.005);  // ecosystem figures, set B and a 5 kg base
+  EXPECT_NEAR(arm_kg, 30.61, 0.005);  // the URDF's link masses and a 5 kg base
   EXPECT_NEAR(gripper_kg, 0.925, 1e-9);
   EXPECT_GT(triangles, 500u);
   EXPECT_LE(triangles, 10'000u);
