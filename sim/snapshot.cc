@@ -87,6 +87,9 @@ void Visit(Stream& s, World& world, Robot& robot) {
   s.Value(world.time_s);
   list(world.cloth.x, vec3);
   list(world.cloth.v, vec3);
+  list(world.cloth.bend_set, plain);
+  list(world.cloth.stretch_set, plain);
+  list(world.cloth.shear_set, plain);
   list(world.cloth.held, [&](auto& held) {
     s.Values(held.node.data(), 3);
     s.Values(held.weight.data(), 3);

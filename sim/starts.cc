@@ -74,6 +74,9 @@ void LayFlat(Cloth& cloth, const BagConfig& bag, double yaw, bool other_side, co
     p.z() += lift;
   }
   s.v.assign(s.x.size(), Vec3f::Zero());
+  s.bend_set.clear();
+  s.stretch_set.clear();
+  s.shear_set.clear();
   cloth.SetState(std::move(s));
 }
 

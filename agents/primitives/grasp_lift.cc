@@ -6,41 +6,79 @@
 namespace gusset {
 namespace {
 
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
 // Closer to the centre than this, a grasp point has no side of its own; pulled towards the base.
 constexpr double kCentral_m = 0.01;
+// Pads nearer than this hold nothing: a third of a ply. The gripper itself reads this.
+constexpr double kEmpty_m = 0.0004;
+constexpr double kClosing_rad = 0;  // the fingers close along world x
+constexpr double kNear_m = 0.03;    // guarded moves begin this far above the table
 
-Eigen::Vector3d At(const Eigen::Vector3d& p, double z) { return {p.x(), p.y(), z}; }
+Vector3d At(const Vector3d& p, double z) { return {p.x(), p.y(), z}; }
+
+Vector3d Within(double reach_m, const Vector3d& p) {
+  return p.norm() > reach_m ? Vector3d(p * (reach_m / p.norm())) : p;
+}
+
+// Down until contact, close; harder while the pads are empty.
+void Seize(ToolMotion& tool, const Vector3d& lowest_W, const GraspLiftConfig& config) {
+  double force_N = config.contact_force_N;
+  double lowest_z = lowest_W.z();
+  for (int retry = 0;; ++retry) {
+    tool.GoUntilContact(At(lowest_W, lowest_z), force_N);
+    if (tool.Fingers(0) > kEmpty_m || retry == config.retries) return;
+    tool.Fingers(config.opening_m);
+    force_N *= config.press_factor;
+    lowest_z = 0;
+  }
+}
+
+// Up at from_W, over to high_W, and down to to_W.
+void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, const Vector3d& to_W,
+            double hang_s, const GraspLiftConfig& config, const MotionConfig& motion) {
+  const double height = high_W.z();
+  const double tilt = height > config.tilt_above_m ? config.tilt_deg * kDegree : 0;
+  tool.Go(At(from_W, std::min(height, motion.approach_m)), config.lift_speed_m_s);
+  tool.GoTilted(high_W, kClosing_rad, tilt, config.lift_speed_m_s);
+  tool.Wait(hang_s);
+  tool.GoTilted(At(0.5 * (high_W + to_W), 0.6 * height), kClosing_rad, 0.5 * tilt,
+                config.lay_speed_m_s);
+  tool.GoTilted(At(to_W, config.release_height_m), kClosing_rad, 0, config.lay_speed_m_s);
+  tool.OpenFingers();
+  tool.Go(At(to_W, config.rise_m), config.rise_speed_m_s);
+}
 
 }  // namespace
 
-void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& centre_W,
-               int parameter, const GraspLiftConfig& config, const MotionConfig& motion) {
-  const double degree = std::numbers::pi / 180;
-  const double closing = config.closing_deg * degree;
+void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, int parameter,
+               const GraspLiftConfig& config, const MotionConfig& motion) {
+  Vector3d along = At(p_W - centre_W, 0);
+  along = along.norm() > kCentral_m ? Vector3d(along.normalized()) : Vector3d(-Vector3d::UnitY());
+  const Vector3d left(-along.y(), along.x(), 0);
+  const Vector3d side = parameter % 2 == 1 ? left : Vector3d(-left);
 
   // tau_grasp. A crumpled bag may stand higher than the approach.
   tool.Fingers(config.opening_m);
-  tool.Approach(At(p_W, std::max(motion.approach_m, p_W.z() + 0.03)), closing);
+  tool.Approach(At(p_W, std::max(motion.approach_m, p_W.z() + kNear_m)), kClosing_rad);
   tool.Go(At(p_W, p_W.z() + 0.01), motion.descend_speed_m_s);
-  tool.GoUntilContact(At(p_W, std::max(0.0, p_W.z() - config.bite_m)), config.contact_force_N);
-  tool.Fingers(0);
+  Seize(tool, At(p_W, std::max(0.0, p_W.z() - config.bite_m)), config);
 
-  // mu_lift: up, outwards, down.
-  Eigen::Vector3d outwards = At(p_W - centre_W, 0);
-  outwards = outwards.norm() > kCentral_m ? Eigen::Vector3d(outwards.normalized())
-                                          : Eigen::Vector3d(-Eigen::Vector3d::UnitY());
-  Eigen::Vector3d target = At(centre_W, 0) + outwards * config.pull_m;
-  if (target.norm() > config.reach_m) target *= config.reach_m / target.norm();
-  const double height = config.lift_height_m(parameter);
-  const double tilt = height > config.tilt_above_m ? config.tilt_deg * degree : 0;
-  tool.Go(At(p_W, std::min(height, motion.approach_m)), config.lift_speed_m_s);
-  tool.GoTilted(At(0.5 * (p_W + centre_W), height), closing, tilt, config.lift_speed_m_s);
-  tool.Wait(config.hang_s);
-  tool.GoTilted(At(0.5 * (centre_W + target), 0.6 * height), closing, 0.5 * tilt,
-                config.lay_speed_m_s);
-  tool.GoTilted(At(target, config.release_height_m), closing, 0, config.lay_speed_m_s);
-  tool.OpenFingers();
-  tool.Go(At(target, config.release_height_m + motion.approach_m), config.rise_speed_m_s);
+  // mu_lift, first stroke: hang the bag and lay it along its way.
+  const Vector3d high = Within(config.reach_m, -along * config.trail_m);
+  const Vector3d laid = Within(config.reach_m, along * config.lay_m);
+  Stroke(tool, p_W, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config,
+         motion);
+
+  // Second stroke: spread it across.
+  const Vector3d edge = along * config.spread_along_m + side * config.spread_from_m;
+  const Vector3d spread = Within(config.reach_m, edge + side * config.spread_m);
+  tool.Fingers(config.opening_m);
+  tool.Approach(At(edge, config.rise_m), kClosing_rad);
+  tool.Go(At(edge, kNear_m), motion.descend_speed_m_s);
+  Seize(tool, At(edge, 0), config);
+  Stroke(tool, edge, At(0.5 * (edge + spread), config.spread_height_m), spread, 0, config, motion);
 }
 
 }  // namespace gusset

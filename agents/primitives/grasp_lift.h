@@ -5,24 +5,32 @@
 namespace gusset {
 
 /// tau_grasp and mu_lift, the pair of s0. Section [primitives.grasp_lift]. Heights are those of the
-/// fingertips above the table; all tuned, 2026-11, on folded starts of Bag 1.
+/// fingertips above the table; lengths lie in the table's plane. All tuned, 2026-11, on folded
+/// starts of Bag 1 (docs/experiments.md).
 struct GraspLiftConfig {
-  double opening_m = 0.045;      ///< Fingers go down half open.
+  double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
   double bite_m = 0.03;          ///< The fingertips go this far below the surface seen.
-  double contact_force_N = 1.5;  ///< Felt earlier: close there.
-  double closing_deg = 0;        ///< Direction in which the fingers close, from world x.
+  double contact_force_N = 1.5;  ///< Felt earlier: close there ...
+  int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
+  double press_factor = 1.6;     ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
-  double lift_low_m = 0.04;   ///< Height for parameter 0 ...
-  double lift_step_m = 0.04;  ///< ... and from one parameter to the next.
-  double hang_s = 0.3;        ///< The bag hangs there for so long, and unfolds under its weight.
+  double lift_low_m = 0.20;     ///< Height for parameter 0 ...
+  double lift_step_m = 0.0175;  ///< ... and from one parameter to the next.
+  double hang_s = 0;          ///< The bag hangs there for so long, and unfolds under its weight.
   double tilt_deg = -29;      ///< Of the gripper above tilt_above_m (29 in the authors' code);
                               ///< < 0: the wrist leans away from the base.
   double tilt_above_m = 0.22;
-  double pull_m = 0.34;    ///< From the bag's centre outwards, past the grasp point ...
-  double reach_m = 0.245;  ///< ... but no further than this from the table's middle.
+  double trail_m = 0.10;  ///< It is lifted so far beyond the table's middle ...
+  double lay_m = 0.22;    ///< ... and laid out to so far on this side of it.
   double lay_speed_m_s = 0.25;
+  double spread_along_m = 0.05;  ///< Second stroke: grasped this far along the first ...
+  double spread_from_m = 0.05;   ///< ... and to the side of it, and pulled sideways ...
+  double spread_m = 0.16;        ///< ... so much further ...
+  double spread_height_m = 0.06; ///< ... at this height.
+  double reach_m = 0.245;        ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
-  double rise_speed_m_s = 0.10;  ///< Away from the cloth, without pulling it along.
+  double rise_m = 0.08;          ///< After a release, and before the second grasp.
+  double rise_speed_m_s = 0.15;  ///< Away from the cloth, without pulling it along.
 
   double lift_height_m(int parameter) const { return lift_low_m + parameter * lift_step_m; }
 
@@ -30,27 +38,36 @@ struct GraspLiftConfig {
   void Fields(V& v) {
     v("opening_m", opening_m, Range{0.01, 0.085});
     v("bite_m", bite_m, Range{0, 0.05});
-    v("contact_force_N", contact_force_N, Range{0.5, 40});
-    v("closing_deg", closing_deg, Range{-180, 180});
+    v("contact_force_N", contact_force_N, Range{0.5, 10});
+    v("retries", retries, Range{0, 10});
+    v("press_factor", press_factor, Range{1, 3});
     v("lift_speed_m_s", lift_speed_m_s, Range{0.01, 1});
     v("lift_low_m", lift_low_m, Range{0.02, 0.3});
     v("lift_step_m", lift_step_m, Range{0, 0.04});
     v("hang_s", hang_s, Range{0, 10});
     v("tilt_deg", tilt_deg, Range{-40, 40});
     v("tilt_above_m", tilt_above_m, Range{0.05, 0.5});
-    v("pull_m", pull_m, Range{0, 0.4});
-    v("reach_m", reach_m, Range{0.05, 0.25});
+    v("trail_m", trail_m, Range{0, 0.25});
+    v("lay_m", lay_m, Range{0, 0.25});
     v("lay_speed_m_s", lay_speed_m_s, Range{0.01, 1});
+    v("spread_along_m", spread_along_m, Range{-0.2, 0.2});
+    v("spread_from_m", spread_from_m, Range{0, 0.2});
+    v("spread_m", spread_m, Range{0, 0.4});
+    v("spread_height_m", spread_height_m, Range{0.02, 0.3});
+    v("reach_m", reach_m, Range{0.05, 0.25});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
+    v("rise_m", rise_m, Range{0.02, 0.3});
     v("rise_speed_m_s", rise_speed_m_s, Range{0.01, 1});
   }
 };
 
-/// Grasps the bag at p_W, lifts it to lift_height_m(parameter), parameter 0 to 8, pulls it
-/// outwards, away from the bag's centre, and lays it down there: low, plies are drawn apart over
-/// the table, which holds the others; high, the bag hangs, unfolds under its weight and is laid
-/// out.
-/// @param centre_W the bag's centre as seen.
+/// Unfolds in two strokes. The first grasps the bag at p_W, lifts it to lift_height_m(parameter),
+/// parameter 0 to 8, over the table's middle and beyond, so that it hangs and unfolds under its
+/// weight, and lays it across the middle: its far end comes down first and table friction holds it.
+/// The second takes what lies beside that line and pulls it sideways, to the left for odd
+/// parameters, to the right for even ones.
+/// @param centre_W the bag's centre as seen: the first stroke goes from it to p_W, but through the
+///   table's middle, so that the bag does not wander out of sight.
 void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& centre_W,
                int parameter, const GraspLiftConfig& config, const MotionConfig& motion);
 

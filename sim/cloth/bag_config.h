@@ -15,7 +15,13 @@ struct BagConfig {
   double depth_m = 0.35;        ///< From rim to bottom seam (Table 5.3, "width").
   double thickness_m = 0.0015;  ///< One ply; used by contact, grasp and rendering alike.
   double area_density_kg_m2 = 0.24;
-  double flexural_rigidity_Nm = 2e-5;
+  double flexural_rigidity_Nm = 2e-4;
+  /// Curvature that internal friction alone can hold: HB/B of the KES-FB2 bending test, 1/m. Woven
+  /// cotton has 20 to 100 (Kawabata 1980).
+  double residual_curvature_1_m = 20;
+  /// Half the hysteresis of shearing, per metre of width: HG of the KES-FB1 test. Woven cotton has
+  /// 0.3 to 2 N/m (Kawabata 1980).
+  double shear_hysteresis_N_m = 0.4;
   double friction_cloth = 0.5;    ///< Cloth on cloth.
   double friction_table = 0.6;    ///< Cloth on the canvas.
   double friction_cube = 0.5;     ///< Cloth on the cube.
@@ -36,6 +42,8 @@ struct BagConfig {
     v("thickness_m", thickness_m, Range{2e-4, 1.5e-3});
     v("area_density_kg_m2", area_density_kg_m2, Range{0.02, 0.35});
     v("flexural_rigidity_Nm", flexural_rigidity_Nm, Range{1e-7, 2e-4});
+    v("residual_curvature_1_m", residual_curvature_1_m, Range{0, 100});
+    v("shear_hysteresis_N_m", shear_hysteresis_N_m, Range{0, 5});
     v("friction_cloth", friction_cloth, Range{0.2, 0.8});
     v("friction_table", friction_table, Range{0.2, 0.8});
     v("friction_cube", friction_cube, Range{0.2, 0.8});

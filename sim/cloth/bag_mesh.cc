@@ -113,21 +113,23 @@ ClothMesh MakeMesh(const BagConfig& config, int layers) {
     }
     // Bending of a row of strips, each as wide as the spacing across: energy B
     // w/(2 L^3) |x1-2x2+x3|^2.
-    const auto bend = [&](int a, int mid, int c, float stiffness) {
+    const float residual = static_cast<float>(config.residual_curvature_1_m);
+    const auto bend = [&](int a, int mid, int c, float width, float length) {
+      const float stiffness = rigidity * width / (length * length * length);
       if (bends_done.emplace(std::array<int, 3>{a, mid, c}, true).second) {
-        mesh.bends.push_back({a, mid, c, stiffness});
+        mesh.bends.push_back({a, mid, c, stiffness, stiffness * residual * length * length});
       }
     };
     for (int j = 0; j < nv; ++j) {
       for (int i = 0; i + 2 < nu; ++i) {
         const float width = (j == 0 ? 0.5f * kHemFactor : j == nv - 1 ? 0.5f : 1.0f) * dv;
-        bend(node(i, j), node(i + 1, j), node(i + 2, j), rigidity * width / (du * du * du));
+        bend(node(i, j), node(i + 1, j), node(i + 2, j), width, du);
       }
     }
     for (int j = 0; j + 2 < nv; ++j) {
       for (int i = 0; i < nu; ++i) {
         const float width = (i == 0 || i == nu - 1 ? 0.5f : 1.0f) * du;
-        bend(node(i, j), node(i, j + 1), node(i, j + 2), rigidity * width / (dv * dv * dv));
+        bend(node(i, j), node(i, j + 1), node(i, j + 2), width, dv);
       }
     }
   }

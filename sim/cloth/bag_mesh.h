@@ -22,6 +22,7 @@ struct ClothBend {
   int mid = 0;
   int c = 0;
   float stiffness_N_m = 0;  ///< B w / L^3 for a strip of width w and node distance L.
+  float friction_N = 0;     ///< Most that internal friction takes: stiffness times kappa L^2.
 };
 
 /// A quad of the cloth with the elements it owns, so that every node, edge and triangle of the mesh

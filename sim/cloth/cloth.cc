@@ -12,6 +12,14 @@ namespace {
 
 constexpr float kGravity = 9.81f;
 constexpr float kAirDensity_kg_m3 = 1.2f;  // dry air at 20 C and sea level
+// Internal friction before it slips, as a spring beside the elastic one: hysteresis loops of the
+// KES-FB2 test turn within a quarter of their half width.
+constexpr float kFrictionSpring = 4.0f;
+// Below this second difference (m) a row's bend has no direction worth its name.
+constexpr float kFlat_m = 4e-4f;
+// A link gives this much before its internal friction slips; tuned, 2026-11: a fifth of what the
+// tightest fold leaves of a link.
+constexpr float kLinkSlip_m = 5e-4f;
 constexpr int kAirEvery = 4;               // substeps between evaluations of the air's force
 constexpr int kCandidatesEvery = 4;        // substeps between searches for shapes' contacts
 constexpr float kCandidateReach_m = 0.008f;
@@ -46,10 +54,16 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
       inv_mass_(Inverse(mesh_.mass_kg)),
       stretch_(mesh_.stretch, inv_mass_),
       shear_(mesh_.shear, inv_mass_),
-      contact_(mesh_, static_cast<float>(bag.friction_cloth)) {
+      contact_(mesh_, static_cast<float>(bag.friction_cloth)),
+      // A link that buckles folds about its middle: the moment that friction holds there, B kappa
+      // w, needs the force 2 B kappa w / L along it when it lies folded; links are as wide as long.
+      buckling_friction_N_(
+          static_cast<float>(2 * bag.flexural_rigidity_Nm * bag.residual_curvature_1_m)),
+      shear_friction_N_(static_cast<float>(bag.shear_hysteresis_N_m * bag.opening_m /
+                                           (bag.nodes_across - 1))) {
   const float h = 1.0f / static_cast<float>(solver.substeps_per_s);
   // Bending is explicit: its fastest mode, bounded by Gershgorin's row sums of
-  // K/m, must stay below (2/h)^2 less what damping takes (Hairer, Lubich,
+  // K/m, must stay below (2/h)^2 less what damping and friction take (Hairer, Lubich,
   // Wanner 2006, I.1.4).
   std::vector<float> row_sum(mesh_.mass_kg.size(), 0.0f);
   for (const ClothBend& b : mesh_.bends) {
@@ -61,8 +75,9 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
   for (std::size_t i = 0; i < row_sum.size(); ++i) {
     fastest = std::max(fastest, row_sum[i] / mesh_.mass_kg[i]);
   }
+  const float friction = bag.residual_curvature_1_m > 0 ? kFrictionSpring : 0.0f;
   const float limit =
-      4.0f / (h * h) / (1.0f + 2.0f * static_cast<float>(solver.bend_damping_s) / h);
+      4.0f / (h * h) / (1.0f + friction + 2.0f * static_cast<float>(solver.bend_damping_s) / h);
   if (fastest > limit) {
     char text[256];
     std::snprintf(text, sizeof text,
@@ -90,6 +105,13 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
 
 void Cloth::SetState(ClothState state) {
   state_ = std::move(state);
+  if (state_.bend_set.empty()) {
+    for (const ClothBend& b : mesh_.bends) {
+      state_.bend_set.push_back((state_.x[b.a] - 2 * state_.x[b.mid] + state_.x[b.c]).norm());
+    }
+  }
+  if (state_.stretch_set.empty()) state_.stretch_set.assign(stretch_.lane_count(), 0.0f);
+  if (state_.shear_set.empty()) state_.shear_set.assign(shear_.lane_count(), 0.0f);
   x_ = x_prev_ = Widen(state_.x);
   v_ = Widen(state_.v);
   contact_.Invalidate();
@@ -100,14 +122,23 @@ void Cloth::SetState(ClothState state) {
 
 void Cloth::ApplyBending(float h) {
   // Energy k/2 |a - 2 mid + c|^2 per row of three (see MakeBagMesh), damped in
-  // proportion.
+  // proportion. Beside it yarns rub on yarns: a spring on the second difference's length that slips
+  // at friction_N (Prandtl's element; Miguel et al. 2013 fit cloth with Dahl's, which is the same
+  // with a rounded corner).
   for (Vec4f& f : bend_force_) f.setZero();
   const float damping = static_cast<float>(solver_.bend_damping_s);
   // Where the nodes would be a damping time later: its second difference holds
   // both parts.
   for (std::size_t i = 0; i < x_.size(); ++i) ahead_[i] = x_[i] + damping * v_[i];
-  for (const ClothBend& b : mesh_.bends) {
-    const Vec4f f = b.stiffness_N_m * (ahead_[b.a] - 2 * ahead_[b.mid] + ahead_[b.c]);
+  for (std::size_t i = 0; i < mesh_.bends.size(); ++i) {
+    const ClothBend& b = mesh_.bends[i];
+    Vec4f f = b.stiffness_N_m * (ahead_[b.a] - 2 * ahead_[b.mid] + ahead_[b.c]);
+    const Vec4f d = x_[b.a] - 2 * x_[b.mid] + x_[b.c];
+    const float bent = d.norm();
+    const float most = b.friction_N / (kFrictionSpring * b.stiffness_N_m);
+    float& set = state_.bend_set[i];
+    set = std::clamp(set, bent - most, bent + most);
+    f += d * (kFrictionSpring * b.stiffness_N_m * (bent - set) / (bent + kFlat_m));
     bend_force_[b.a] -= f;
     bend_force_[b.mid] += 2 * f;
     bend_force_[b.c] -= f;
@@ -163,8 +194,14 @@ void Cloth::SolveLinks(float h, bool forward, bool first) {
   const float shear = static_cast<float>(solver_.shear_compliance_m_N) * per_h2;
   // Compliant directions act once a substep: a second visit would double their
   // stiffness.
-  if (first) shear_.Solve({shear, std::max(compression, shear), true, true}, x_);
-  stretch_.Solve({tension, compression, forward, first}, x_);
+  const float per_slip = h * h / kLinkSlip_m;
+  const LinkSolver::Friction buckling{buckling_friction_N_ * per_slip, kLinkSlip_m, false};
+  const LinkSolver::Friction shearing{shear_friction_N_ * per_slip, kLinkSlip_m, true};
+  if (first) {
+    const float soft = std::max(compression, shear);
+    shear_.Solve({shear, soft, true, true, shearing}, state_.shear_set, x_);
+  }
+  stretch_.Solve({tension, compression, forward, first, buckling}, state_.stretch_set, x_);
 }
 
 void Cloth::SolveTable() {

@@ -26,6 +26,9 @@ struct HeldPoint {
 struct ClothState {
   Vec3Array x;  ///< m, world.
   Vec3Array v;  ///< m/s.
+  /// What internal friction holds to: per bend the second difference (m), per lane of the link
+  /// solvers the elongation (m). Empty: as the cloth lies, no link longer or shorter.
+  std::vector<float> bend_set, stretch_set, shear_set;
   std::vector<HeldPoint> held;
   std::vector<float> tether_m;  ///< Per node: longest distance to tether_to; empty: no hold.
   std::vector<int> tether_to;   ///< Per node: index into held.
@@ -117,6 +120,7 @@ class Cloth {
   Vec4Array air_;  ///< Force of the air per node, N.
   Vec4Array bend_force_, ahead_;
   SelfContact contact_;
+  float buckling_friction_N_, shear_friction_N_;  // of one link
   Vec3f hold_force_N_ = Vec3f::Zero();
 };
 

@@ -46,16 +46,27 @@ LinkSolver::LinkSolver(const std::vector<ClothLink>& links, const std::vector<fl
   }
 }
 
-void LinkSolver::Solve(const Packet& p, const Sweep& sweep, Vec4Array& x) const {
+void LinkSolver::Solve(const Packet& p, const Sweep& sweep, float* set, Vec4Array& x) const {
   const Vec3x4 d = Gather(x.data(), p.b[0], p.b[1], p.b[2], p.b[3]) -
                    Gather(x.data(), p.a[0], p.a[1], p.a[2], p.a[3]);
   const Float4 length = Sqrt(Dot(d, d));
-  const Float4 c = length - p.rest;
+  Float4 c = length - p.rest;
   const Float4 shorter = c < Float4(0.0f);
   Float4 active = Float4(1e-9f) < length;
   if (!sweep.push) active = active & (Float4(0.0f) < c);
   if (Bits(active) == 0) return;
-  const Float4 compliance = Select(shorter, sweep.compression, sweep.tension);
+  Float4 compliance = Select(shorter, sweep.compression, sweep.tension);
+  if (const Friction& friction = sweep.friction; sweep.push && friction.stiffness > 0) {
+    const Float4 slip = friction.slip_m;
+    const Float4 held = Min(Max(Loadu(set), c - slip), c + slip);
+    Storeu(held, set);
+    // Rest and compliance of the one spring that equals both.
+    const Float4 elastic = Float4(1.0f) / compliance;
+    const Float4 both = elastic + Float4(friction.stiffness);
+    const Float4 rubs = friction.both_ways ? active : shorter;
+    c = Select(rubs, (c * elastic + (c - held) * Float4(friction.stiffness)) / both, c);
+    compliance = Select(rubs, Float4(1.0f) / both, compliance);
+  }
   const Float4 lambda = (c / ((p.inv_mass_a + p.inv_mass_b + compliance) * length)) & active;
   Vec3x4 move = d * (lambda * p.inv_mass_a);
   Float4 fourth;
@@ -73,11 +84,11 @@ void LinkSolver::Solve(const Packet& p, const Sweep& sweep, Vec4Array& x) const 
   }
 }
 
-void LinkSolver::Solve(const Sweep& sweep, Vec4Array& x) const {
+void LinkSolver::Solve(const Sweep& sweep, std::vector<float>& set, Vec4Array& x) const {
   if (sweep.forward) {
-    for (const Packet& p : packets_) Solve(p, sweep, x);
+    for (std::size_t i = 0; i < packets_.size(); ++i) Solve(packets_[i], sweep, &set[4 * i], x);
   } else {
-    for (auto p = packets_.rbegin(); p != packets_.rend(); ++p) Solve(*p, sweep, x);
+    for (std::size_t i = packets_.size(); i-- > 0;) Solve(packets_[i], sweep, &set[4 * i], x);
   }
 }
 

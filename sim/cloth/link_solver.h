@@ -18,20 +18,29 @@ class LinkSolver {
  public:
   LinkSolver(const std::vector<ClothLink>& links, const std::vector<float>& inv_mass);
 
+  /// Internal friction: a spring beside the compliant one, which slips (Prandtl's element).
+  struct Friction {
+    float stiffness = 0;     ///< Times h^2, kg. 0: none.
+    float slip_m = 0;        ///< Elongation at which it slips.
+    bool both_ways = false;  ///< In links longer than at rest too.
+  };
   struct Sweep {
     float tension;      ///< Compliance / h^2 of a link longer than at rest, 1/kg.
     float compression;  ///< The same of a shorter one.
     bool forward;       ///< In order of the links, or against it.
     bool push;          ///< False: shorter links are left alone.
+    Friction friction;
   };
-  void Solve(const Sweep& sweep, Vec4Array& x) const;
+  /// @param set per lane: elongation (m) that friction holds to; updated where the sweep pushes.
+  void Solve(const Sweep& sweep, std::vector<float>& set, Vec4Array& x) const;
+  std::size_t lane_count() const { return 4 * packets_.size(); }
 
  private:
   struct Packet {
     std::array<std::uint16_t, 4> a, b;
     Float4 rest, inv_mass_a, inv_mass_b;
   };
-  void Solve(const Packet& p, const Sweep& sweep, Vec4Array& x) const;
+  void Solve(const Packet& p, const Sweep& sweep, float* set, Vec4Array& x) const;
 
   std::vector<Packet> packets_;
 };

@@ -24,6 +24,8 @@ struct Float4 {
   static Float4 Load(const float* aligned) { return _mm_load_ps(aligned); }
   void Store(float* aligned) const { _mm_store_ps(aligned, v); }
 };
+inline Float4 Loadu(const float* p) { return _mm_loadu_ps(p); }
+inline void Storeu(Float4 a, float* p) { _mm_storeu_ps(p, a.v); }
 
 inline Float4 operator+(Float4 a, Float4 b) { return _mm_add_ps(a.v, b.v); }
 inline Float4 operator-(Float4 a, Float4 b) { return _mm_sub_ps(a.v, b.v); }
