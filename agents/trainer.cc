@@ -217,7 +217,8 @@ class Trainer {
         continue;
       }
       // Frames are written as a step is tried, so with them nothing is tried ahead.
-      const int ahead = config_.dump == "none" ? workers_.jobs() : 1;
+      // Twice as many as workers, since some take ten times as long as others.
+      const int ahead = config_.dump == "none" && workers_.jobs() > 1 ? 2 * workers_.jobs() : 1;
       std::vector<Workers::Task> tasks;
       for (int i = 0; static_cast<int>(tasks.size()) < ahead && i < 2 * ahead; ++i) {
         const std::optional<Plan> later = next(i);

@@ -8,10 +8,13 @@ namespace gusset {
 /// the fingertips; all tuned.
 struct CloseCarryConfig {
   double opening_m = 0.085;     ///< Wide: both layers are to be gathered.
-  double height_m = 0.006;      ///< Above the table, where the fingers close.
+  double height_m = 0;          ///< Above the table, where the fingers close; a flat bag is 3 mm.
   double contact_force_N = 10;  ///< Felt earlier (on the cube, say): close there.
   double lift_speed_m_s = 0.12;
+  double upright_m = 0.10;  ///< Straight up to here, then also towards the table's middle ...
+  double column_m = 0.08;   ///< ... to within so far of it, where the arm reaches high.
   double lift_height_m = 0.30;
+  double tilt_deg = -29;  ///< There; < 0: the wrist leans away from the base.
 
   template <class V>
   void Fields(V& v) {
@@ -19,7 +22,10 @@ struct CloseCarryConfig {
     v("height_m", height_m, Range{0, 0.1});
     v("contact_force_N", contact_force_N, Range{0.5, 40});
     v("lift_speed_m_s", lift_speed_m_s, Range{0.01, 1});
+    v("upright_m", upright_m, Range{0.02, 0.2});
+    v("column_m", column_m, Range{0, 0.2});
     v("lift_height_m", lift_height_m, Range{0.1, 0.36});
+    v("tilt_deg", tilt_deg, Range{-40, 40});
   }
 };
 

@@ -68,8 +68,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   // mu_lift, first stroke: hang the bag and lay it along its way.
   const Vector3d high = Within(config.reach_m, -along * config.trail_m);
   const Vector3d laid = Within(config.reach_m, along * config.lay_m);
-  Stroke(tool, p_W, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config,
-         motion);
+  Stroke(tool, p_W, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config, motion);
 
   // Second stroke: spread it across.
   const Vector3d edge = along * config.spread_along_m + side * config.spread_from_m;

@@ -14,20 +14,20 @@ struct GraspLiftConfig {
   int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
   double press_factor = 1.6;     ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
-  double lift_low_m = 0.20;     ///< Height for parameter 0 ...
-  double lift_step_m = 0.0175;  ///< ... and from one parameter to the next.
-  double hang_s = 0;          ///< The bag hangs there for so long, and unfolds under its weight.
-  double tilt_deg = -29;      ///< Of the gripper above tilt_above_m (29 in the authors' code);
-                              ///< < 0: the wrist leans away from the base.
+  double lift_low_m = 0.27;    ///< Height for parameter 0 ...
+  double lift_step_m = 0.006;  ///< ... and from one parameter to the next.
+  double hang_s = 0;           ///< The bag hangs there for so long, and unfolds under its weight.
+  double tilt_deg = -29;       ///< Of the gripper above tilt_above_m (29 in the authors' code);
+                               ///< < 0: the wrist leans away from the base.
   double tilt_above_m = 0.22;
   double trail_m = 0.10;  ///< It is lifted so far beyond the table's middle ...
   double lay_m = 0.22;    ///< ... and laid out to so far on this side of it.
   double lay_speed_m_s = 0.25;
-  double spread_along_m = 0.05;  ///< Second stroke: grasped this far along the first ...
-  double spread_from_m = 0.05;   ///< ... and to the side of it, and pulled sideways ...
-  double spread_m = 0.16;        ///< ... so much further ...
-  double spread_height_m = 0.06; ///< ... at this height.
-  double reach_m = 0.245;        ///< The fingertips stay this close to the table's middle.
+  double spread_along_m = 0.05;   ///< Second stroke: grasped this far along the first ...
+  double spread_from_m = 0.05;    ///< ... and to the side of it, and pulled sideways ...
+  double spread_m = 0.16;         ///< ... so much further ...
+  double spread_height_m = 0.06;  ///< ... at this height.
+  double reach_m = 0.245;         ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
   double rise_m = 0.08;          ///< After a release, and before the second grasp.
   double rise_speed_m_s = 0.15;  ///< Away from the cloth, without pulling it along.

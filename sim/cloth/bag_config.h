@@ -17,11 +17,11 @@ struct BagConfig {
   double area_density_kg_m2 = 0.24;
   double flexural_rigidity_Nm = 2e-4;
   /// Curvature that internal friction alone can hold: HB/B of the KES-FB2 bending test, 1/m. Woven
-  /// cotton has 20 to 100 (Kawabata 1980).
-  double residual_curvature_1_m = 20;
-  /// Half the hysteresis of shearing, per metre of width: HG of the KES-FB1 test. Woven cotton has
-  /// 0.3 to 2 N/m (Kawabata 1980).
-  double shear_hysteresis_N_m = 0.4;
+  /// cloth has tens; tuned (docs/physics.md).
+  double residual_curvature_1_m = 15;
+  /// Half the hysteresis of shearing, per metre of width: HG of the KES-FB1 test. Tuned
+  /// (docs/physics.md).
+  double shear_hysteresis_N_m = 0.3;
   double friction_cloth = 0.5;    ///< Cloth on cloth.
   double friction_table = 0.6;    ///< Cloth on the canvas.
   double friction_cube = 0.5;     ///< Cloth on the cube.

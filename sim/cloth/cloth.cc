@@ -20,8 +20,8 @@ constexpr float kFlat_m = 4e-4f;
 // A link gives this much before its internal friction slips; tuned, 2026-11: a fifth of what the
 // tightest fold leaves of a link.
 constexpr float kLinkSlip_m = 5e-4f;
-constexpr int kAirEvery = 4;               // substeps between evaluations of the air's force
-constexpr int kCandidatesEvery = 4;        // substeps between searches for shapes' contacts
+constexpr int kAirEvery = 4;         // substeps between evaluations of the air's force
+constexpr int kCandidatesEvery = 4;  // substeps between searches for shapes' contacts
 constexpr float kCandidateReach_m = 0.008f;
 // Woven cotton's yarns straighten by about a percent before they bear; tethers
 // allow for it.
@@ -59,8 +59,8 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
       // w, needs the force 2 B kappa w / L along it when it lies folded; links are as wide as long.
       buckling_friction_N_(
           static_cast<float>(2 * bag.flexural_rigidity_Nm * bag.residual_curvature_1_m)),
-      shear_friction_N_(static_cast<float>(bag.shear_hysteresis_N_m * bag.opening_m /
-                                           (bag.nodes_across - 1))) {
+      shear_friction_N_(
+          static_cast<float>(bag.shear_hysteresis_N_m * bag.opening_m / (bag.nodes_across - 1))) {
   const float h = 1.0f / static_cast<float>(solver.substeps_per_s);
   // Bending is explicit: its fastest mode, bounded by Gershgorin's row sums of
   // K/m, must stay below (2/h)^2 less what damping and friction take (Hairer, Lubich,

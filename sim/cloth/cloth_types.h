@@ -13,12 +13,12 @@ using Vec3Array = std::vector<Vec3f>;
 /// Numbers of the cloth solver that belong to no bag. Section [solver] of the config.
 struct ClothSolverConfig {
   int substeps_per_s = 600;
-  int iterations = 2;                       ///< Gauss-Seidel sweeps per substep.
-  double stretch_compliance_m_N = 1e-7;     ///< Along the yarns, in tension.
-  double shear_compliance_m_N = 0.1;        ///< Between the yarns.
-  double compression_compliance_m_N = 1;    ///< Cloth buckles below the mesh's resolution.
-  double bend_damping_s = 0.002;            ///< Stiffness-proportional damping of bending.
-  double damping_per_s = 0.3;               ///< Mass-proportional damping of all motion.
+  int iterations = 2;                     ///< Gauss-Seidel sweeps per substep.
+  double stretch_compliance_m_N = 1e-7;   ///< Along the yarns, in tension.
+  double shear_compliance_m_N = 0.1;      ///< Between the yarns.
+  double compression_compliance_m_N = 1;  ///< Cloth buckles below the mesh's resolution.
+  double bend_damping_s = 0.002;          ///< Stiffness-proportional damping of bending.
+  double damping_per_s = 0.3;             ///< Mass-proportional damping of all motion.
   double separation_speed_m_s = 0.05;  ///< At which contact undoes what is closer than a thickness.
   double max_speed_m_s = 20.0;         ///< A node faster than this stops the world.
 

@@ -102,24 +102,53 @@ TEST_F(BaggingEnvTest, GraspLiftLiftsToTheHeightOfItsParameterAndLaysTheBagDownL
     for (const Eigen::Vector3d& p : path) highest = std::max(highest, p.z());
     EXPECT_NEAR(highest, config_.grasp_lift.lift_height_m(k), 1e-12);
     EXPECT_NEAR(path.back().z(), config_.grasp_lift.release_height_m, 1e-12);
+    // The arm reaches a disc of 0.25 m round the table's middle.
+    for (const Eigen::Vector3d& p : path) EXPECT_LE(p.head<2>().norm(), 0.25);
   }
 }
 
-TEST_F(BaggingEnvTest, GraspLiftPullsOutwardsPastItsPointAndWithinReach) {
-  for (int point = 0; point < 9; ++point) {
+TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoint) {
+  for (const int point : {0, 2, 6, 8}) {
     (void)Act(0, point * 9 + 3, 1);
     const Eigen::Vector3d centre =
         rig_.model().OntoPlane(env_.before().bag_centroid, config_.perception.table_height_m);
-    const Eigen::Vector3d grasp = env_.before().grasp_points[point].p_W;
-    const Eigen::Vector2d pulled = (HeldPath().back() - centre).head<2>();
-    const Eigen::Vector2d side = (grasp - centre).head<2>();
-    // The arm reaches a disc of 0.25 m round the table's middle.
-    EXPECT_LE(HeldPath().back().head<2>().norm(), 0.25);
-    EXPECT_GT(pulled.norm(), side.norm());
-    // A point at the centre has no side of its own.
-    if (side.norm() > 0.02) {
-      EXPECT_GT(pulled.dot(side), 0) << "point " << point;
+    const Eigen::Vector2d out =
+        (env_.before().grasp_points[point].p_W - centre).head<2>().normalized();
+    const std::vector<Eigen::Vector3d> path = HeldPath();
+    // Up, over the middle and beyond, half way down, laid.
+    EXPECT_NEAR(path[1].head<2>().dot(out), -config_.grasp_lift.trail_m, 1e-9);
+    EXPECT_NEAR(path[3].head<2>().dot(out), config_.grasp_lift.lay_m, 1e-9);
+    EXPECT_NEAR(path[3].z(), config_.grasp_lift.release_height_m, 1e-12);
+  }
+}
+
+TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftForOddParametersAndToTheRightForEvenOnes) {
+  double aside[2] = {};
+  for (const int parameter : {0, 1}) {
+    (void)Act(0, 0 * 9 + parameter, 1);
+    const std::vector<Eigen::Vector3d> path = HeldPath();
+    const Eigen::Vector2d along = path[3].head<2>().normalized();
+    aside[parameter] = path.back().head<2>().dot(Eigen::Vector2d(-along.y(), along.x()));
+  }
+  EXPECT_GT(aside[1], 0.15);
+  EXPECT_NEAR(aside[0], -aside[1], 1e-9);
+}
+
+TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) {
+  for (const bool empty : {false, true}) {
+    rig_.cube_between_fingers = !empty;  // whatever it is: the pads do not meet
+    const Outcome outcome = Act(0, 0, 1);
+    EXPECT_EQ(outcome.log["note"], "");
+    std::vector<double> forces;
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kUntilContact) forces.push_back(move.value);
     }
+    const auto each = static_cast<std::size_t>(empty ? 1 + config_.grasp_lift.retries : 1);
+    ASSERT_EQ(forces.size(), 2 * each) << "two grasps";
+    for (std::size_t k = 1; k < each; ++k) {
+      EXPECT_NEAR(forces[k] / forces[k - 1], config_.grasp_lift.press_factor, 1e-12);
+    }
+    EXPECT_EQ(forces[each], config_.grasp_lift.contact_force_N);
   }
 }
 
@@ -172,6 +201,16 @@ TEST_F(BaggingEnvTest, CloseCarryKeepsHoldOfTheBag) {
   }
   EXPECT_EQ(fingers, 0);
   EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
+}
+
+TEST_F(BaggingEnvTest, CloseCarryClosesAtTheTableAndLiftsWhereTheArmReaches) {
+  for (const int point : {0, 40, 80}) {
+    (void)Act(3, point, 4);
+    EXPECT_EQ(HeldPath().size(), 2u);
+    EXPECT_NEAR(HeldPath()[0].z(), config_.close_carry.upright_m, 1e-12);
+    EXPECT_LE(HeldPath()[1].head<2>().norm(), config_.close_carry.column_m + 1e-9);
+    EXPECT_NEAR(HeldPath()[1].z(), config_.close_carry.lift_height_m, 1e-12);
+  }
 }
 
 TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionOpensTheGripperAndLeavesTheView) {

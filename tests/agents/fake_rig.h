@@ -19,7 +19,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   struct Move {
     enum Kind { kTo, kUntilContact, kFingers, kWaitingPose } kind;
     Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
-    double value = 0;  ///< Speed; opening of the fingers.
+    double value = 0;  ///< Speed; a guarded move's force; opening of the fingers.
   };
 
   int state = 0;
@@ -61,10 +61,10 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   MoveResult MoveTo(const Eigen::Isometry3d& X_WT, double speed) override {
     return Note({Move::kTo, X_WT, speed});
   }
-  MoveResult MoveUntilContact(const Eigen::Isometry3d& X_WT, double speed, double) override {
+  MoveResult MoveUntilContact(const Eigen::Isometry3d& X_WT, double, double force_N) override {
     Eigen::Isometry3d end = X_WT;
     end.translation().z() = std::max(contact_height_m, X_WT.translation().z());
-    MoveResult result = Note({Move::kUntilContact, end, speed});
+    MoveResult result = Note({Move::kUntilContact, end, force_N});
     if (result.end == MoveEnd::kReached && contact_height_m > X_WT.translation().z()) {
       result.end = MoveEnd::kContact;
     }

@@ -1,0 +1,94 @@
+// The task by physics and from images alone, with the default bag, as train and evaluate wire it.
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <set>
+
+#include "agents/bagging_env.h"
+#include "base/random.h"
+#include "tools/gusset/settings.h"
+
+namespace gusset {
+namespace {
+
+constexpr std::uint64_t kSeed = 13;
+
+class ClosedLoop : public ::testing::Test {
+ protected:
+  // The outcome of an action from `from`, the first of `tries` drawn at random that `wanted` likes.
+  template <class Wanted>
+  std::optional<Outcome> Try(const Snapshot& from, int state, int tries, Wanted wanted) {
+    const int actions = env_.ActionCounts()[static_cast<std::size_t>(state)];
+    Rng rng(DeriveSeed(kSeed, "closed loop", static_cast<std::uint64_t>(state)));
+    for (int k = 0; k < tries; ++k) {
+      EXPECT_EQ(env_.Begin(from, static_cast<std::uint64_t>(k)).state, state);
+      Outcome outcome = env_.Act(rng.Below(actions));
+      seen_.insert(outcome.next.state);
+      disagreements_ += outcome.next.state != outcome.truth.state;
+      ++actions_;
+      if (wanted(outcome)) return outcome;
+    }
+    return std::nullopt;
+  }
+
+  Settings settings_ = LoadSettings({}, {.bag = "bag1"});
+  std::unique_ptr<Testbed> testbed_ = MakeTestbed(settings_.tree);
+  BaggingEnv env_{testbed_->scene(), testbed_->camera(), testbed_->robot(), testbed_->referee(),
+                  settings_.bagging};
+  std::set<int> seen_;
+  int disagreements_ = 0, actions_ = 0;
+};
+
+// Random actions, each step begun from what the last one left: folded bag (s0), unfolded (s1), open
+// (s2), cube in (s3), carried away (s4); and from s3 another grasp leaves the cube behind (s5).
+TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
+  const Snapshot folded = env_.Start(StartKind::kFolded, kSeed);
+  EXPECT_EQ(env_.Begin(folded, 1).state, 0);
+  seen_.insert(0);
+  const Snapshot flat = env_.Start(StartKind::kUnfolded, kSeed);
+  EXPECT_EQ(env_.Begin(flat, 1).state, 1);
+  seen_.insert(1);
+
+  const auto open = Try(flat, 1, 30, [](const Outcome& o) {
+    return o.next.state == 2 && o.truth.state == 2 && o.truth.opening_area_px2 > 2000;
+  });
+  ASSERT_TRUE(open) << "no scratch-and-drag of 30 opens the bag";
+  const auto filled = Try(
+      open->after, 2, 9, [](const Outcome& o) { return o.next.state == 3 && o.truth.cube_in_bag; });
+  ASSERT_TRUE(filled) << "no pick-and-place of 9 puts the cube in";
+  const auto carried = Try(filled->after, 3, 40,
+                           [](const Outcome& o) { return o.next.state == 4 && o.true_success; });
+  ASSERT_TRUE(carried) << "no close-and-carry of 40 takes the bag away";
+  EXPECT_TRUE(carried->truth.cube_in_bag);
+  EXPECT_TRUE(carried->truth.bag_held);
+  EXPECT_GT(carried->truth.lowest_point_m, 0.15);
+  EXPECT_TRUE(carried->true_success);
+  EXPECT_EQ(carried->reward, 1);
+  const auto dropped =
+      Try(filled->after, 3, 80, [](const Outcome& o) { return o.next.state == 5; });
+  ASSERT_TRUE(dropped) << "no close-and-carry of 80 loses the cube";
+  EXPECT_FALSE(dropped->truth.cube_in_bag);
+  EXPECT_FALSE(dropped->true_success);
+  EXPECT_LT(dropped->truth.lowest_point_m, 0.03) << "the cube lies on the table";
+
+  EXPECT_EQ(seen_.size(), 6u);
+  // Random actions leave bags near the thresholds, and a cube that rolled out of sight.
+  EXPECT_LE(disagreements_, actions_ / 5) << "of " << actions_ << " states seen and true";
+}
+
+TEST_F(ClosedLoop, AnActionGivesTheSameBitsWhateverRanBefore) {
+  const Snapshot flat = env_.Start(StartKind::kUnfolded, 5);
+  (void)env_.Begin(flat, 3);
+  const Outcome first = env_.Act(40);
+  (void)env_.Begin(env_.Start(StartKind::kUnfolded, 6), 3);
+  (void)env_.Act(7);
+  (void)env_.Begin(flat, 3);
+  const Outcome again = env_.Act(40);
+  EXPECT_EQ(first.after, again.after);
+  EXPECT_EQ(first.reward, again.reward);
+  EXPECT_EQ(first.log.dump(), again.log.dump());
+}
+
+}  // namespace
+}  // namespace gusset
