@@ -49,6 +49,11 @@ const PosePoint& ChosenPoint(const Observation& seen, int point) {
   return points.at(static_cast<std::size_t>(point));
 }
 
+std::optional<Mouth> MouthOf(const Observation& seen) {
+  if (!seen.lips) return std::nullopt;
+  return Mouth{seen.lips->near.p_W, seen.lips->drawn.p_W};
+}
+
 }  // namespace
 
 void BaggingConfig::Read(ConfigTree& tree) {
@@ -117,10 +122,11 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
                            along_W, config_.scratch_drag, motion);
       case State::kOpen:
         if (!before_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
-        return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, config_.pick_place,
-                         motion);
+        return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, MouthOf(before_),
+                         config_.pick_place, motion);
       case State::kFilled:
-        return CloseCarry(tool, p_W, along_W, config_.close_carry, motion);
+        return CloseCarry(tool, p_W, along_W, MouthOf(before_), config_.close_carry,
+                          config_.scratch_drag, motion);
       default:
         throw std::logic_error("no action is afforded in s4 and s5");
     }

@@ -26,6 +26,12 @@ struct Rim {
   Eigen::Vector3d along_W;    ///< Along the rim, from corners[0] to corners[1].
 };
 
+/// The mouth's two lips: the labels nearest the rim, and those that were drawn back onto the body.
+struct Lips {
+  PosePoint near;   ///< Middle of the labels nearest the rim.
+  PosePoint drawn;  ///< Middle of the labels farthest from it.
+};
+
 /// The cube as seen.
 struct CubeSeen {
   cv::Point2d px;  ///< Centroid of its top face, or of all red pixels if there is no depth.
@@ -59,6 +65,8 @@ struct Observation {
   PosePoint opening_centre;                    ///< Centroid of the union; of the labels if A_o = 0.
   double opening_radius_px = 0;                ///< sqrt(A_o / pi).
   std::array<cv::Point2d, 4> opening_corners;  ///< Quadrilateral of the labels; only in s2.
+
+  std::optional<Lips> lips;  ///< Set where the rim and the mouth are seen.
 
   std::optional<CubeSeen> cube;
 

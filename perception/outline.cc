@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 namespace gusset {
 namespace {
+
+using Quad = std::array<cv::Point2d, 4>;
 
 template <class Point>
 cv::Point2d Centroid(const std::vector<Point>& contour) {
@@ -22,6 +25,59 @@ cv::Point2d RectCorner(const Outline& outline, int k) {
          outline.normals[before] * outline.reach[before];
 }
 
+double Cross(cv::Point2d a, cv::Point2d b) { return a.x * b.y - a.y * b.x; }
+
+// The largest quadrilateral whose corners are points of the contour: for each diagonal the farthest
+// point on either side. Against the clock as one sees the image. None for fewer than four points in
+// convex position.
+template <class Point>
+std::optional<Quad> LargestQuad(const std::vector<Point>& contour) {
+  std::vector<Point> hull;
+  cv::convexHull(contour, hull, /*clockwise=*/false);
+  const std::size_t n = hull.size();
+  if (n < 4) return std::nullopt;
+  double largest = 0;
+  Quad quad;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 2; j < n; ++j) {
+      const cv::Point2d from(hull[i]);
+      const cv::Point2d diagonal = cv::Point2d(hull[j]) - from;
+      std::array<double, 2> height{};
+      std::array<cv::Point2d, 2> farthest{};
+      for (std::size_t k = 0; k < n; ++k) {
+        const int side = k > i && k < j ? 0 : 1;
+        const double h = std::abs(Cross(diagonal, cv::Point2d(hull[k]) - from));
+        if (h <= height[side]) continue;
+        height[side] = h;
+        farthest[side] = cv::Point2d(hull[k]);
+      }
+      if (height[0] <= 0 || height[1] <= 0 || height[0] + height[1] <= largest) continue;
+      largest = height[0] + height[1];
+      quad = {from, farthest[0], cv::Point2d(hull[j]), farthest[1]};
+    }
+  }
+  if (largest <= 0) return std::nullopt;
+  // The image's y points down, so one sees a positive turn as clockwise.
+  if (Cross(quad[1] - quad[0], quad[2] - quad[0]) > 0) std::swap(quad[1], quad[3]);
+  return quad;
+}
+
+// The quad counted from the corner from which it lies best along the four directions.
+Quad Matched(const Quad& quad, const std::array<cv::Point2d, 4>& directions) {
+  const auto score = [&](int first) {
+    double sum = 0;
+    for (int k = 0; k < 4; ++k) sum += quad[(first + k) % 4].dot(directions[k]);
+    return sum;
+  };
+  int best = 0;
+  for (int first = 1; first < 4; ++first) {
+    if (score(first) > score(best)) best = first;
+  }
+  Quad matched = quad;
+  std::rotate(matched.begin(), matched.begin() + best, matched.end());
+  return matched;
+}
+
 template <class Point>
 Outline Fit(const std::vector<Point>& contour) {
   Outline outline;
@@ -35,24 +91,16 @@ Outline Fit(const std::vector<Point>& contour) {
   outline.reach = {rect.size.height / 2., rect.size.width / 2., rect.size.height / 2.,
                    rect.size.width / 2.};
 
-  std::array<double, 4> farthest{};
-  // A quadrant without a point (the mouth may have as few as three) takes the point that lies
-  // farthest towards it.
-  for (int k = 0; k < 4; ++k) {
-    const cv::Point2d diagonal = outline.normals[k] + outline.normals[(k + 3) % 4];
-    outline.corners[k] = *std::max_element(contour.begin(), contour.end(), [&](Point a, Point b) {
-      return cv::Point2d(a).dot(diagonal) < cv::Point2d(b).dot(diagonal);
-    });
+  std::array<cv::Point2d, 4> diagonals;
+  for (int k = 0; k < 4; ++k) diagonals[k] = outline.normals[k] + outline.normals[(k + 3) % 4];
+  if (const std::optional<Quad> quad = LargestQuad(contour)) {
+    outline.corners = Matched(*quad, diagonals);
+    return outline;
   }
-  for (const Point& point : contour) {
-    const cv::Point2d offset = cv::Point2d(point) - outline.centroid;
-    const bool is_right = offset.dot(right) >= 0;
-    const bool is_down = offset.dot(down) >= 0;
-    // Corner 0 lies between sides right (3) and up (0), and so on against the clock.
-    const int k = is_down ? (is_right ? 3 : 2) : (is_right ? 0 : 1);
-    if (offset.dot(offset) <= farthest[k]) continue;
-    farthest[k] = offset.dot(offset);
-    outline.corners[k] = cv::Point2d(point);
+  for (int k = 0; k < 4; ++k) {
+    outline.corners[k] = *std::max_element(contour.begin(), contour.end(), [&](Point a, Point b) {
+      return cv::Point2d(a).dot(diagonals[k]) < cv::Point2d(b).dot(diagonals[k]);
+    });
   }
   return outline;
 }

@@ -9,11 +9,12 @@ namespace gusset {
 /// A body as a four-sided figure, for the grid of Eq. 5.12.
 struct Outline {
   cv::Point2d centroid;  ///< Of the area that the contour encloses, px.
-  /// For each quadrant about the centroid the contour point farthest from it. Counter-clockwise as
-  /// one sees the image (y down).
+  /// Of the largest quadrilateral between points of the contour. Counter-clockwise as one sees the
+  /// image (y down). (The thesis takes the farthest point in each quadrant about the centroid,
+  /// which leaves much of a crumpled bag outside.)
   std::array<cv::Point2d, 4> corners;
   /// Outward unit normals of the sides of the minimum-area rectangle; side k runs from corner k to
-  /// corner k + 1. The quadrants are those of this rectangle, so that yaw does not matter.
+  /// corner k + 1. Corners are numbered as this rectangle's, so that yaw does not matter.
   std::array<cv::Point2d, 4> normals;
   /// Centre of the minimum-area rectangle, and how far its sides are from there.
   cv::Point2d middle;

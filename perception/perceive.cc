@@ -79,6 +79,26 @@ Rim FindRim(const Outline& outline, const View& view, const PerceptionConfig& co
   return rim;
 }
 
+// Splits the labels half way between the one nearest the rim and the one farthest from it.
+std::optional<Lips> FindLips(const Observation& observation, const View& view,
+                             const PerceptionConfig& config) {
+  if (!observation.mouth_seen) return std::nullopt;
+  const cv::Point2d inward = observation.bag_centroid - observation.rim->middle_px;
+  const auto depth = [&](const cv::Point2d& px) { return px.dot(inward); };
+  const auto [nearest, farthest] = std::ranges::minmax(observation.labels, {}, depth);
+  const double half = 0.5 * (depth(nearest) + depth(farthest));
+  std::array<cv::Point2d, 2> sum{};
+  std::array<int, 2> count{};
+  for (const cv::Point2d& label : observation.labels) {
+    const int drawn = depth(label) > half ? 1 : 0;
+    sum[drawn] += label;
+    ++count[drawn];
+  }
+  if (count[0] == 0 || count[1] == 0) return std::nullopt;
+  return Lips{Deproject(view, sum[0] / count[0], config),
+              Deproject(view, sum[1] / count[1], config)};
+}
+
 std::vector<PosePoint> ToPosePoints(std::vector<cv::Point2d> points, const BagBody& bag,
                                     const View& view, const PerceptionConfig& config) {
   SnapOnto(bag.mask, view.roi.tl(), config.point_inset_px, points);
@@ -98,9 +118,12 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
   const bool from_rim = observation.state != State::kFolded && !observation.labels.empty();
   outline =
       outline.From(from_rim ? SideNearest(outline, observation.labels) : UpperRightCorner(outline));
-  if (from_rim) observation.rim = FindRim(outline, view, config);
   observation.corners = outline.corners;
   observation.bag_centroid = outline.centroid;
+  if (from_rim) {
+    observation.rim = FindRim(outline, view, config);
+    observation.lips = FindLips(observation, view, config);
+  }
 
   std::vector<cv::Point2d> grasp;
   std::vector<cv::Point2d> place;

@@ -88,6 +88,11 @@ struct World::Impl {
     table->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, -0.5f)));
     table->setFriction(1);
     world->addRigidBody(table.get());
+    floor_shape = std::make_unique<btBoxShape>(btVector3(20, 20, 0.5f));
+    floor = std::make_unique<btRigidBody>(0, nullptr, floor_shape.get());
+    floor->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, -1.25f)));
+    floor->setFriction(1);
+    world->addRigidBody(floor.get());
 
     const btScalar half = btScalar(0.5 * config.cube_side_m);
     cube_shape = std::make_unique<btBoxShape>(btVector3(half, half, half));
@@ -125,6 +130,7 @@ struct World::Impl {
     force_ring.assign(std::max<std::size_t>(1, std::size_t(std::lround(kForceWindow_s / h))),
                       Eigen::Vector3d::Zero());
     pad_ring.assign(force_ring.size(), 0.0);
+    cube_ring.assign(force_ring.size(), Eigen::Vector3d::Zero());
     tip_link = *arm.robot().FindLink(arm.config().tip_link);
   }
 
@@ -134,6 +140,7 @@ struct World::Impl {
     world->removeRigidBody(anchor.get());
     for (LinkShape& l : links) world->removeRigidBody(l.body.get());
     world->removeRigidBody(cube.get());
+    world->removeRigidBody(floor.get());
     world->removeRigidBody(table.get());
   }
 
@@ -195,12 +202,15 @@ struct World::Impl {
     RigidShape& c = shapes[0];
     c.X_WS_prev = cube_before;
     c.X_WS = FromBullet(cube->getWorldTransform()).cast<float>();
+    // In the grip the cube is as firm as the arm. Were it as light as it is, cloth caught beneath
+    // it would push it out of the pads faster than the joint can bring it back.
+    c.inv_mass = cube_hold ? 0.0f : static_cast<float>(1 / config.cube_mass_kg);
     const btMatrix3x3& I = cube->getInvInertiaTensorWorld();
     for (int r = 0; r < 3; ++r) {
       for (int k = 0; k < 3; ++k) c.inv_inertia_W(r, k) = I[r][k];
     }
     cloth.SolveConstraints(dt, X_WT.cast<float>(), shapes);
-    if (c.impulse != Vec3f::Zero() || c.angular_impulse != Vec3f::Zero()) {
+    if (!cube_hold && (c.impulse != Vec3f::Zero() || c.angular_impulse != Vec3f::Zero())) {
       const Eigen::Quaternionf q(c.X_WS.linear());
       const Eigen::Quaternionf n = q.normalized();
       btTransform t;
@@ -241,6 +251,8 @@ struct World::Impl {
         cube->setIgnoreCollisionCheck(links[s - 1].body.get(), ignore);
       }
     }
+    // Bullet would keep solving the contacts that it has found before.
+    world->getPairCache()->cleanProxyFromPairs(cube->getBroadphaseHandle(), world->getDispatcher());
   }
 
   void GrabCube(const Eigen::Isometry3d& X_TC) {
@@ -251,6 +263,7 @@ struct World::Impl {
     for (int axis = 0; axis < 6; ++axis) cube_hold->setLimit(axis, 0, 0);
     world->addConstraint(cube_hold.get(), true);
     X_TCube = X_TC;
+    std::ranges::fill(cube_ring, Eigen::Vector3d::Zero());
     // Inside the grip there is nothing for the fingers to collide with.
     IgnoreFingers(true);
   }
@@ -262,11 +275,14 @@ struct World::Impl {
     IgnoreFingers(false);
   }
 
-  // The tool's locked joint tells how hard it pulls; beyond what the pads' friction gives, it
-  // slips.
+  // The tool's locked joint tells how hard it pulls; beyond what the pads' friction gives, the cube
+  // slips. A mean, since cloth and joint pass impulses to and fro from step to step.
   void CheckCubeHold() {
     if (!cube_hold) return;
-    const Eigen::Vector3d pull = CubeForce();
+    cube_ring[steps % cube_ring.size()] = CubeForce();
+    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& f : cube_ring) pull += f;
+    pull /= static_cast<double>(cube_ring.size());
     if (pull.norm() > 2 * config.pad_friction * hold_force) DropCube();
   }
 
@@ -274,7 +290,8 @@ struct World::Impl {
     if (!cube_hold) return Eigen::Vector3d::Zero();
     // What the cube's motion in this step needed beyond gravity and what cloth did to it.
     const Eigen::Vector3d dv = FromBullet(cube->getLinearVelocity()) - cube_velocity_before;
-    const Eigen::Vector3d from_cloth = shapes[0].impulse.cast<double>() / h;
+    const Eigen::Vector3d from_cloth =
+        shapes[0].impulse.cast<double>() / h + shapes[0].squeeze.cast<double>();
     return -(config.cube_mass_kg * (dv / h + Eigen::Vector3d(0, 0, kGravity)) - from_cloth);
   }
 
@@ -337,9 +354,9 @@ struct World::Impl {
   btSequentialImpulseConstraintSolver rigid_solver;
   std::unique_ptr<btCollisionDispatcher> dispatcher;
   std::unique_ptr<btSoftRigidDynamicsWorld> world;
-  std::unique_ptr<btBoxShape> table_shape, cube_shape;
+  std::unique_ptr<btBoxShape> table_shape, floor_shape, cube_shape;
   std::unique_ptr<btSphereShape> anchor_shape;
-  std::unique_ptr<btRigidBody> table, cube, anchor;
+  std::unique_ptr<btRigidBody> table, floor, cube, anchor;
   std::unique_ptr<btSoftBody> soft_body;
   std::unique_ptr<btGeneric6DofSpring2Constraint> cube_hold;
   std::vector<LinkShape> links;
@@ -360,6 +377,7 @@ struct World::Impl {
   bool asleep = false;
   long steps = 0;
   std::vector<Eigen::Vector3d> force_ring;
+  std::vector<Eigen::Vector3d> cube_ring;
   std::vector<double> pad_ring;
   mutable double stack = 0;
   mutable long stack_step = -1000;

@@ -5,8 +5,25 @@
 
 namespace gusset {
 
+namespace {
+
+void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& closing_W,
+                      const CloseCarryConfig& config, const ScratchDragConfig& drag,
+                      const MotionConfig& motion) {
+  const Eigen::Vector3d apart = mouth.Apart_W();
+  if (apart.norm() < config.lips_apart_m) return;
+  const Eigen::Vector3d outward = apart.normalized();
+  const Eigen::Vector3d grasp = mouth.drawn_W + config.lip_inset_m * outward;
+  const Eigen::Vector3d to = grasp + apart + config.lip_over_m * outward;
+  ScratchDrag(tool, grasp, to, closing_W, drag, motion);
+}
+
+}  // namespace
+
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-                const CloseCarryConfig& config, const MotionConfig& motion) {
+                const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
+                const ScratchDragConfig& drag, const MotionConfig& motion) {
+  if (mouth) DrawLipsTogether(tool, *mouth, closing_W, config, drag, motion);
   const auto over = [&](double z) { return Eigen::Vector3d(p_W.x(), p_W.y(), z); };
 
   tool.Fingers(config.opening_m);

@@ -11,8 +11,6 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 // Closer to the centre than this, a grasp point has no side of its own; pulled towards the base.
 constexpr double kCentral_m = 0.01;
-// Pads nearer than this hold nothing: a third of a ply. The gripper itself reads this.
-constexpr double kEmpty_m = 0.0004;
 constexpr double kClosing_rad = 0;  // the fingers close along world x
 constexpr double kNear_m = 0.03;    // guarded moves begin this far above the table
 
@@ -20,19 +18,6 @@ Vector3d At(const Vector3d& p, double z) { return {p.x(), p.y(), z}; }
 
 Vector3d Within(double reach_m, const Vector3d& p) {
   return p.norm() > reach_m ? Vector3d(p * (reach_m / p.norm())) : p;
-}
-
-// Down until contact, close; harder while the pads are empty.
-void Seize(ToolMotion& tool, const Vector3d& lowest_W, const GraspLiftConfig& config) {
-  double force_N = config.contact_force_N;
-  double lowest_z = lowest_W.z();
-  for (int retry = 0;; ++retry) {
-    tool.GoUntilContact(At(lowest_W, lowest_z), force_N);
-    if (tool.Fingers(0) > kEmpty_m || retry == config.retries) return;
-    tool.Fingers(config.opening_m);
-    force_N *= config.press_factor;
-    lowest_z = 0;
-  }
 }
 
 // Up at from_W, over to high_W, and down to to_W.
@@ -63,7 +48,8 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   tool.Fingers(config.opening_m);
   tool.Approach(At(p_W, std::max(motion.approach_m, p_W.z() + kNear_m)), kClosing_rad);
   tool.Go(At(p_W, p_W.z() + 0.01), motion.descend_speed_m_s);
-  Seize(tool, At(p_W, std::max(0.0, p_W.z() - config.bite_m)), config);
+  const Press press{config.contact_force_N, config.retries, config.press_factor};
+  tool.Seize(At(p_W, 0), config.opening_m, press);
 
   // mu_lift, first stroke: hang the bag and lay it along its way.
   const Vector3d high = Within(config.reach_m, -along * config.trail_m);
@@ -76,7 +62,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   tool.Fingers(config.opening_m);
   tool.Approach(At(edge, config.rise_m), kClosing_rad);
   tool.Go(At(edge, kNear_m), motion.descend_speed_m_s);
-  Seize(tool, At(edge, 0), config);
+  tool.Seize(At(edge, 0), config.opening_m, press);
   Stroke(tool, edge, At(0.5 * (edge + spread), config.spread_height_m), spread, 0, config, motion);
 }
 

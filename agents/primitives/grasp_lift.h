@@ -9,8 +9,7 @@ namespace gusset {
 /// starts of Bag 1 (docs/experiments.md).
 struct GraspLiftConfig {
   double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
-  double bite_m = 0.03;          ///< The fingertips go this far below the surface seen.
-  double contact_force_N = 1.5;  ///< Felt earlier: close there ...
+  double contact_force_N = 1.5;  ///< Felt on the way down: close there ...
   int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
   double press_factor = 1.6;     ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
@@ -37,7 +36,6 @@ struct GraspLiftConfig {
   template <class V>
   void Fields(V& v) {
     v("opening_m", opening_m, Range{0.01, 0.085});
-    v("bite_m", bite_m, Range{0, 0.05});
     v("contact_force_N", contact_force_N, Range{0.5, 10});
     v("retries", retries, Range{0, 10});
     v("press_factor", press_factor, Range{1, 3});

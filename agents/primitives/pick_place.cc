@@ -3,26 +3,40 @@
 #include <algorithm>
 
 namespace gusset {
+namespace {
+
+Eigen::Vector3d At(const Eigen::Vector3d& p, double z) { return {p.x(), p.y(), z}; }
+
+}  // namespace
 
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
-               const Eigen::Vector3d& place_W, const PickPlaceConfig& config,
-               const MotionConfig& motion) {
-  const auto cube = [&](double z) { return Eigen::Vector3d(cube_W.x(), cube_W.y(), z); };
-  const auto place = [&](double z) { return Eigen::Vector3d(place_W.x(), place_W.y(), z); };
+               const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
+               const PickPlaceConfig& config, const MotionConfig& motion) {
+  // Never below 5 mm: the fingertips would press on the table.
+  const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);
 
-  // tau_pick. Never below 5 mm: the fingertips would press on the table.
+  // tau_pick.
   tool.OpenFingers();
-  tool.Approach(cube(cube_W.z() + motion.approach_m), yaw_rad);
-  tool.Go(cube(std::max(0.005, cube_W.z() - config.below_centre_m)), motion.descend_speed_m_s);
+  tool.Approach(At(cube_W, cube_W.z() + motion.approach_m), yaw_rad);
+  tool.Go(At(cube_W, held_z), motion.descend_speed_m_s);
   const bool held = tool.Fingers(0) > config.held_opening_m;
-  tool.Go(cube(config.carry_height_m), motion.descend_speed_m_s);
+  tool.Go(At(cube_W, config.carry_height_m), motion.descend_speed_m_s);
   if (!held) throw ToolMotion::Aborted("pick: nothing between the fingers");
 
-  // mu_place.
-  tool.Go(place(config.carry_height_m), motion.travel_speed_m_s);
-  tool.Go(place(config.release_height_m), config.lower_speed_m_s);
+  // mu_place, the fingers beside the cube as it slides, so that the cube leads.
+  Eigen::Vector3d down_W = place_W;
+  double closing = yaw_rad;
+  if (mouth && mouth->Apart_W().norm() > 0) {
+    const Eigen::Vector3d outward = mouth->Apart_W().normalized();
+    down_W += outward * std::max(0.0, (mouth->near_W - place_W).dot(outward) - config.lip_inset_m);
+    closing = AngleOf({-outward.y(), outward.x(), 0});
+  }
+  const double slide_z = held_z + config.slide_height_m;
+  tool.GoTilted(At(down_W, config.carry_height_m), closing, 0, motion.travel_speed_m_s);
+  tool.Go(At(down_W, slide_z), config.lower_speed_m_s);
+  const Eigen::Vector3d placed_W = tool.GoUntilContact(At(place_W, slide_z), config.slide_force_N);
   tool.Fingers(config.release_opening_m);
-  tool.Go(place(config.carry_height_m), config.rise_speed_m_s);
+  tool.Go(At(placed_W, config.carry_height_m), config.rise_speed_m_s);
 }
 
 }  // namespace gusset

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "agents/primitives/mouth.h"
 #include "agents/primitives/tool_motion.h"
 
 namespace gusset {
@@ -10,7 +13,9 @@ struct PickPlaceConfig {
   double below_centre_m = 0.006;     ///< Fingertips this far below the cube's centre.
   double held_opening_m = 0.015;     ///< Fingers that close further than this hold nothing.
   double carry_height_m = 0.12;      ///< Over everything on the table.
-  double release_height_m = 0.04;    ///< Above the place point's table height.
+  double lip_inset_m = 0.022;        ///< The cube comes down so far inside the mouth's near lip ...
+  double slide_height_m = 0.006;     ///< ... and slides to its place so high above the table ...
+  double slide_force_N = 10;         ///< ... or until it meets this.
   double release_opening_m = 0.055;  ///< Enough for a 35 mm cube, without reaching the cloth.
   double lower_speed_m_s = 0.10;
   double rise_speed_m_s = 0.10;
@@ -20,17 +25,21 @@ struct PickPlaceConfig {
     v("below_centre_m", below_centre_m, Range{-0.02, 0.03});
     v("held_opening_m", held_opening_m, Range{0, 0.08});
     v("carry_height_m", carry_height_m, Range{0.05, 0.3});
-    v("release_height_m", release_height_m, Range{0.01, 0.3});
+    v("lip_inset_m", lip_inset_m, Range{0, 0.1});
+    v("slide_height_m", slide_height_m, Range{0, 0.1});
+    v("slide_force_N", slide_force_N, Range{0.5, 50});
     v("release_opening_m", release_opening_m, Range{0.01, 0.085});
     v("lower_speed_m_s", lower_speed_m_s, Range{0.01, 1});
     v("rise_speed_m_s", rise_speed_m_s, Range{0.01, 1});
   }
 };
 
-/// Picks the cube up and lets go of it above place_W.
+/// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
+/// layer that was drawn back rather than onto it, and lets go.
 /// @param cube_W  centre of the cube. @param yaw_rad  of one of its edges about z.
+/// @param mouth  none if its lips are not seen apart: then the cube comes down at place_W.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
-               const Eigen::Vector3d& place_W, const PickPlaceConfig& config,
-               const MotionConfig& motion);
+               const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
+               const PickPlaceConfig& config, const MotionConfig& motion);
 
 }  // namespace gusset

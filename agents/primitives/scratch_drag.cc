@@ -8,13 +8,13 @@ void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vect
   const auto grasp = [&](double z) { return Eigen::Vector3d(p_W.x(), p_W.y(), z); };
   const auto target = [&](double z) { return Eigen::Vector3d(target_W.x(), target_W.y(), z); };
 
-  // tau_scratch: touch the cloth, sink a little, close along the rim.
+  // tau_scratch: touch the cloth, close along the rim.
   tool.Fingers(config.opening_m);
   tool.Approach(grasp(motion.approach_m), AngleOf(along_W));
   tool.Go(grasp(p_W.z() + 0.02), motion.descend_speed_m_s);
-  const double touched = tool.GoUntilContact(grasp(-0.005), config.touch_force_N);
-  tool.Go(grasp(touched - config.sink_m), motion.guarded_speed_m_s);
-  tool.Fingers(0);
+  const double touched = tool.Seize(grasp(-0.005), config.opening_m,
+                                    {config.touch_force_N, config.retries, config.press_factor})
+                             .z();
 
   // mu_drag: raise the layer, carry it over the target, let go.
   tool.Go(grasp(touched + config.lift_m), config.drag_speed_m_s);

@@ -5,12 +5,13 @@
 namespace gusset {
 
 /// tau_scratch and mu_drag, the pair of s1. Section [primitives.scratch_drag]. Heights are those of
-/// the fingertips. All tuned: whether one layer is caught, both or none is decided by sink_m
-/// against the cloth's thickness.
+/// the fingertips. All tuned: whether one layer is caught, both or none is decided by the height at
+/// which touch_force_N is felt, against the cloth's thickness.
 struct ScratchDragConfig {
   double opening_m = 0.045;      ///< Between the fingers as they come down.
   double touch_force_N = 1;      ///< Felt when the fingertips rest on the cloth.
-  double sink_m = 0.0;           ///< Deeper by this after the touch.
+  int retries = 3;               ///< If nothing is between the pads then, so often again,
+  double press_factor = 1.6;     ///< pressing so many times as hard.
   double lift_m = 0.07;          ///< The layer is raised so far ...
   double drag_speed_m_s = 0.15;  ///< ... and dragged over the target.
   double release_height_m = 0.02;
@@ -21,7 +22,8 @@ struct ScratchDragConfig {
   void Fields(V& v) {
     v("opening_m", opening_m, Range{0.005, 0.085});
     v("touch_force_N", touch_force_N, Range{0.2, 20});
-    v("sink_m", sink_m, Range{-0.01, 0.01});
+    v("retries", retries, Range{0, 10});
+    v("press_factor", press_factor, Range{1, 3});
     v("lift_m", lift_m, Range{0.01, 0.25});
     v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});
     v("release_height_m", release_height_m, Range{0.005, 0.3});

@@ -6,6 +6,9 @@
 namespace gusset {
 namespace {
 
+// Pads nearer than this hold nothing: a third of a ply. The gripper itself reads this.
+constexpr double kEmpty_m = 0.0004;
+
 const char* Named(MoveEnd end) {
   switch (end) {
     case MoveEnd::kReached:
@@ -62,11 +65,22 @@ void ToolMotion::GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double
   Finish(robot_.MoveTo(Pose(tilt * DownwardTool(closing_rad), p_W), speed_m_s), "tilted move");
 }
 
-double ToolMotion::GoUntilContact(const Eigen::Vector3d& p_W, double force_N) {
+Eigen::Vector3d ToolMotion::GoUntilContact(const Eigen::Vector3d& p_W, double force_N) {
   const MoveResult result =
       robot_.MoveUntilContact(Pose(R_WT_, p_W), config_.guarded_speed_m_s, force_N);
   Finish(result, "guarded move");
-  return result.X_WT.translation().z();
+  return result.X_WT.translation();
+}
+
+Eigen::Vector3d ToolMotion::Seize(const Eigen::Vector3d& lowest_W, double opening_m,
+                                  const Press& press) {
+  double force_N = press.force_N;
+  for (int retry = 0;; ++retry) {
+    const Eigen::Vector3d touched_W = GoUntilContact(lowest_W, force_N);
+    if (Fingers(0) > kEmpty_m || retry == press.retries) return touched_W;
+    Fingers(opening_m);
+    force_N *= press.factor;
+  }
 }
 
 double ToolMotion::Fingers(double opening_m) {

@@ -55,6 +55,13 @@ double AngleOf(const Eigen::Vector3d& direction_W);
 
 /// A gripper at work. Motions that do not end as meant throw, so that a primitive reads as what it
 /// does; the orientation that the arm settled on is kept from one motion to the next.
+/// How hard a grasp presses on what it grasps.
+struct Press {
+  double force_N = 1;
+  int retries = 0;    ///< If the fingers close on nothing, so often again ...
+  double factor = 1;  ///< ... each time so many times as hard.
+};
+
 class ToolMotion {
  public:
   /// A motion did not end as meant; what() says which and how.
@@ -72,8 +79,11 @@ class ToolMotion {
   /// Straight line to p_W, the tool meanwhile turning to tilt_rad in the vertical plane through the
   /// arm's base (> 0: fingertips lean away from it) from straight down with this closing angle.
   void GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double tilt_rad, double speed_m_s);
-  /// Straight line to p_W until force_N is felt. @returns the height (m) at which it ended.
-  double GoUntilContact(const Eigen::Vector3d& p_W, double force_N);
+  /// Straight line to p_W until force_N is felt. @returns where it ended.
+  Eigen::Vector3d GoUntilContact(const Eigen::Vector3d& p_W, double force_N);
+  /// Straight to lowest_W until the press is felt, then closes; while the pads stay empty, opens
+  /// and tries again, harder. @returns where the fingers closed.
+  Eigen::Vector3d Seize(const Eigen::Vector3d& lowest_W, double opening_m, const Press& press);
   /// Fingers to opening_m (0: closed). @returns the opening reached.
   double Fingers(double opening_m);
   /// As wide as they go. @returns the opening reached.

@@ -168,10 +168,8 @@ TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointToTheTarget) {
   const std::vector<Eigen::Vector3d> path = Path();
   EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12);
   EXPECT_NEAR((path.back() - target).head<2>().norm(), 0, 1e-12);
-  // It sinks sink_m below the touch, no more, before the fingers close.
-  double lowest = 1;
-  for (const Eigen::Vector3d& p : path) lowest = std::min(lowest, p.z());
-  EXPECT_NEAR(lowest, 0.003 - config_.scratch_drag.sink_m, 1e-12);
+  // No deeper than the touch before the fingers close.
+  for (const Eigen::Vector3d& p : HeldPath()) EXPECT_GE(p.z(), 0.003);
   // The fingers close along the rim.
   const Eigen::Vector3d closing = rig_.moves[1].X_WT.linear().col(0);
   EXPECT_NEAR(std::abs(closing.dot(env_.before().rim->along_W)), 1, 1e-9);
@@ -182,6 +180,32 @@ TEST_F(BaggingEnvTest, PickPlaceTakesTheCubeWhereItIsSeenToThePlacePoint) {
   const std::vector<Eigen::Vector3d> path = Path();
   EXPECT_NEAR((path.front() - env_.before().cube->p_W).head<2>().norm(), 0, 1e-12);
   EXPECT_NEAR((path.back() - env_.before().place_points[5].p_W).head<2>().norm(), 0, 1e-12);
+}
+
+TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
+  for (const int point : {0, 4, 8}) {
+    (void)Act(2, point, 3);
+    const Lips& lips = *env_.before().lips;
+    const Eigen::Vector2d outward = (lips.near.p_W - lips.drawn.p_W).head<2>().normalized();
+    const Eigen::Vector2d place = env_.before().place_points[point].p_W.head<2>();
+    const Move* slide = nullptr;
+    const Move* before = nullptr;
+    for (std::size_t i = 1; i < rig_.moves.size(); ++i) {
+      if (rig_.moves[i].kind != Move::kUntilContact) continue;
+      slide = &rig_.moves[i];
+      before = &rig_.moves[i - 1];
+    }
+    ASSERT_NE(slide, nullptr);
+    EXPECT_EQ(slide->value, config_.pick_place.slide_force_N);
+    const Eigen::Vector2d down = before->X_WT.translation().head<2>();
+    const double inset = (lips.near.p_W.head<2>() - down).dot(outward);
+    // Not beyond the lip; straight inwards; the fingers beside the cube, not before it.
+    EXPECT_GE(inset, std::min(config_.pick_place.lip_inset_m,
+                              (lips.near.p_W.head<2>() - place).dot(outward)) -
+                         1e-9);
+    EXPECT_NEAR((down - place).norm(), (down - place).dot(outward), 1e-9);
+    EXPECT_NEAR(slide->X_WT.linear().col(0).head<2>().dot(outward), 0, 1e-9);
+  }
 }
 
 TEST_F(BaggingEnvTest, NothingBetweenTheFingersIsNotCarried) {
@@ -206,11 +230,40 @@ TEST_F(BaggingEnvTest, CloseCarryKeepsHoldOfTheBag) {
 TEST_F(BaggingEnvTest, CloseCarryClosesAtTheTableAndLiftsWhereTheArmReaches) {
   for (const int point : {0, 40, 80}) {
     (void)Act(3, point, 4);
-    EXPECT_EQ(HeldPath().size(), 2u);
-    EXPECT_NEAR(HeldPath()[0].z(), config_.close_carry.upright_m, 1e-12);
-    EXPECT_LE(HeldPath()[1].head<2>().norm(), config_.close_carry.column_m + 1e-9);
-    EXPECT_NEAR(HeldPath()[1].z(), config_.close_carry.lift_height_m, 1e-12);
+    const std::vector<Eigen::Vector3d> path = HeldPath();
+    ASSERT_GE(path.size(), 2u);
+    EXPECT_NEAR(path.end()[-2].z(), config_.close_carry.upright_m, 1e-12);
+    EXPECT_LE(path.back().head<2>().norm(), config_.close_carry.column_m + 1e-9);
+    EXPECT_NEAR(path.back().z(), config_.close_carry.lift_height_m, 1e-12);
   }
+}
+
+TEST_F(BaggingEnvTest, CloseCarryFirstDrawsTheLipsTogetherIfTheyAreApart) {
+  (void)Act(3, 4, 4);
+  const Lips& lips = *env_.before().lips;
+  const Eigen::Vector2d apart = (lips.near.p_W - lips.drawn.p_W).head<2>();
+  ASSERT_GT(apart.norm(), config_.close_carry.lips_apart_m);
+  const std::vector<Eigen::Vector3d> path = HeldPath();
+  ASSERT_EQ(path.size(), 5u) << "three moves with the lip, two with the bag";
+  const Eigen::Vector2d drawn = (path[2] - path[0]).head<2>();
+  EXPECT_NEAR(drawn.norm(), apart.norm() + config_.close_carry.lip_over_m, 1e-9);
+  EXPECT_NEAR(drawn.normalized().dot(apart.normalized()), 1, 1e-9);
+}
+
+TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
+  const double apart = config_.close_carry.lips_apart_m;
+  const Mouth together{{0, -0.1, 0}, {0, -0.1 + 0.9 * apart, 0}};
+  const Mouth open{{0, -0.1, 0}, {0, -0.1 + 1.1 * apart, 0}};
+  const auto moves = [&](const std::optional<Mouth>& mouth) {
+    rig_.moves.clear();
+    ToolMotion tool(rig_, config_.motion);
+    CloseCarry(tool, {0, 0, 0}, {1, 0, 0}, mouth, config_.close_carry, config_.scratch_drag,
+               config_.motion);
+    return HeldPath().size();
+  };
+  EXPECT_EQ(moves(std::nullopt), 2u);
+  EXPECT_EQ(moves(together), 2u);
+  EXPECT_EQ(moves(open), 5u);
 }
 
 TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionOpensTheGripperAndLeavesTheView) {
@@ -220,7 +273,7 @@ TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionOpensTheGripperAndLeavesTheVie
       rig_.refusal = refusal;
       for (rig_.refuse_at = 0; rig_.refuse_at < 3; ++rig_.refuse_at) {
         const Outcome outcome = Act(state, 0, state);
-        EXPECT_NE(outcome.log["note"], "");
+        EXPECT_NE(outcome.log["note"].get<std::string>(), "");
         EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
         EXPECT_EQ(rig_.moves[rig_.moves.size() - 2].value, 0.085);
         EXPECT_EQ(outcome.next.state, state);

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace gusset {
+
+/// The mouth of a bag as seen: where the middles of its two lips are, m, world.
+struct Mouth {
+  Eigen::Vector3d near_W;   ///< The lip at the rim.
+  Eigen::Vector3d drawn_W;  ///< The lip drawn back onto the body.
+
+  /// From the drawn lip to the near one; horizontal.
+  Eigen::Vector3d Apart_W() const {
+    return {near_W.x() - drawn_W.x(), near_W.y() - drawn_W.y(), 0};
+  }
+};
+
+}  // namespace gusset
