@@ -7,6 +7,7 @@
 
 #include "agents/bagging_env.h"
 #include "base/random.h"
+#include "sim/snapshot.h"
 #include "tools/gusset/settings.h"
 
 namespace gusset {
@@ -88,6 +89,22 @@ TEST_F(ClosedLoop, AnActionGivesTheSameBitsWhateverRanBefore) {
   EXPECT_EQ(first.after, again.after);
   EXPECT_EQ(first.reward, again.reward);
   EXPECT_EQ(first.log.dump(), again.log.dump());
+}
+
+// A cube that is squeezed out of the fingers, or kicked as they open, lies elsewhere.
+TEST_F(ClosedLoop, TheCubeStaysWhereItIsPlaced) {
+  const auto open = Try(env_.Start(StartKind::kUnfolded, kSeed), 1, 30,
+                        [](const Outcome& o) { return o.next.state == 2; });
+  ASSERT_TRUE(open);
+  for (int point = 0; point < 9; ++point) {
+    (void)env_.Begin(open->after, 1);
+    const Eigen::Vector3d place = env_.before().place_points[point].p_W;
+    WorldState world;
+    SimRobotState robot;
+    UnpackSnapshot(env_.Act(point).after, world, robot);
+    const Eigen::Vector3d off = world.cube.X_WB.translation() - place;
+    EXPECT_LT(off.head<2>().norm(), 0.06) << "place point " << point;
+  }
 }
 
 }  // namespace
