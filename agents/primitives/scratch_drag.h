@@ -8,12 +8,13 @@ namespace gusset {
 /// the fingertips. All tuned: whether one layer is caught, both or none is decided by the height at
 /// which touch_force_N is felt, against the cloth's thickness.
 struct ScratchDragConfig {
-  double opening_m = 0.045;      ///< Between the fingers as they come down.
-  double touch_force_N = 1;      ///< Felt when the fingertips rest on the cloth.
-  int retries = 3;               ///< If nothing is between the pads then, so often again,
-  double press_factor = 1.6;     ///< pressing so many times as hard.
-  double lift_m = 0.07;          ///< The layer is raised so far ...
-  double drag_speed_m_s = 0.15;  ///< ... and dragged over the target.
+  double opening_m = 0.045;   ///< Between the fingers as they come down.
+  double touch_force_N = 1;   ///< Felt when the fingertips rest on the cloth.
+  int retries = 3;            ///< If nothing is between the pads then, so often again,
+  double press_factor = 1.6;  ///< pressing so many times as hard.
+  double lift_m = 0.07;       ///< The layer is raised so far ...
+  double drag_most_m = 0.20;  ///< ... and dragged towards the target, so far at most.
+  double drag_speed_m_s = 0.15;
   double release_height_m = 0.02;
   double release_opening_m = 0.045;  ///< Half open: enough to let go of one layer.
   double rise_speed_m_s = 0.10;
@@ -25,6 +26,7 @@ struct ScratchDragConfig {
     v("retries", retries, Range{0, 10});
     v("press_factor", press_factor, Range{1, 3});
     v("lift_m", lift_m, Range{0.01, 0.25});
+    v("drag_most_m", drag_most_m, Range{0.02, 0.5});
     v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
     v("release_opening_m", release_opening_m, Range{0.01, 0.085});

@@ -167,7 +167,11 @@ TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointToTheTarget) {
   const Eigen::Vector3d target = env_.before().place_points[7].p_W;
   const std::vector<Eigen::Vector3d> path = Path();
   EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12);
-  EXPECT_NEAR((path.back() - target).head<2>().norm(), 0, 1e-12);
+  // Straight towards the target, and there or at the end of the longest drag.
+  const Eigen::Vector2d asked = (target - grasp).head<2>();
+  const Eigen::Vector2d dragged = (path.back() - grasp).head<2>();
+  EXPECT_NEAR(dragged.norm(), std::min(asked.norm(), config_.scratch_drag.drag_most_m), 1e-12);
+  EXPECT_NEAR(dragged.normalized().dot(asked.normalized()), 1, 1e-12);
   // No deeper than the touch before the fingers close.
   for (const Eigen::Vector3d& p : HeldPath()) EXPECT_GE(p.z(), 0.003);
   // The fingers close along the rim.
