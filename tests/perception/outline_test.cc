@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace gusset {
 namespace {
@@ -58,6 +59,30 @@ TEST(Outline, EveryCornerIsAPointOfTheContourEvenOfATriangle) {
       for (const cv::Point2d& p : turned) nearest = std::min(nearest, cv::norm(p - corner));
       EXPECT_LT(nearest, 1e-4);
     }
+  }
+}
+
+// The largest quadrilateral in a convex body has at least 2 / pi of its area, an ellipse's no more
+// (Sas 1939, Compositio Math. 6, p. 468).
+TEST(Outline, CoversTwoOverPiOfAnyConvexBody) {
+  const auto area = [](const Outline& outline) {
+    double twice = 0;
+    for (int k = 0; k < 4; ++k) twice += outline.corners[(k + 1) % 4].cross(outline.corners[k]);
+    return 0.5 * twice;
+  };
+  for (double ratio = 0.3; ratio <= 1; ratio += 0.1) {
+    Points ellipse;
+    for (int k = 0; k < 60; ++k) {
+      const double t = k * CV_PI / 30;
+      ellipse.emplace_back(100 * std::cos(t), 100 * ratio * std::sin(t));
+    }
+    const double whole = CV_PI * 100 * 100 * ratio;
+    EXPECT_NEAR(area(FitOutline(Contour(Turned(ellipse, ratio)))) / whole, 2 / CV_PI, 1e-4);
+  }
+  const Points kite = {{0, -90}, {-35, 20}, {-20, 60}, {0, 80}, {20, 60}, {35, 20}};
+  const double whole = cv::contourArea(Contour(kite));
+  for (double yaw = 0; yaw < 6.2; yaw += 0.3) {
+    EXPECT_GT(area(FitOutline(Contour(Turned(kite, yaw)))), 2 / CV_PI * whole);
   }
 }
 

@@ -230,6 +230,20 @@ TEST(Perceive, RimDirectionsFollowTheBagInTheWorld) {
   }
 }
 
+// The arch of the drawn layer's labels begins beside the rim's; half way between the two ends the
+// lower row of five and the two nearest it are one lip, the three deepest ones the other.
+TEST(Perceive, LipsAreTheMiddlesOfTheLabelsNearTheRimAndFarFromIt) {
+  for (const int state : {2, 3}) {
+    for (const Pose& pose : {Pose{}, Pose{{310, 250}, -1.1}, Pose{{330, 225}, 2.4}}) {
+      const Observation o = Look(FrameOf(state, pose));
+      ASSERT_TRUE(o.lips);
+      EXPECT_LT(cv::norm(o.lips->near.px - pose(0, -(2 * 95 + 3 * 96 + 2 * 75) / 7.0)), 3);
+      EXPECT_LT(cv::norm(o.lips->drawn.px - pose(0, -(2 * 50 + 38) / 3.0)), 3);
+    }
+  }
+  EXPECT_FALSE(Look(FrameOf(0)).lips);
+}
+
 TEST(Perceive, FoldedPointsDependOnYawButNotOnPosition) {
   const Observation middle = Look(FrameOf(0));
   const Observation moved = Look(FrameOf(0, {{350, 215}}));
