@@ -18,13 +18,22 @@ void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3
   ScratchDrag(tool, grasp, to, closing_W, drag, motion);
 }
 
+// A bag that is held far behind its mouth tips over and loses what is in it.
+Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth, double inset_m) {
+  const Eigen::Vector3d apart = mouth.Apart_W();
+  if (apart.norm() == 0) return p_W;
+  const Eigen::Vector3d outward = apart.normalized();
+  return p_W + outward * std::max(0.0, (mouth.near_W - p_W).dot(outward) - inset_m);
+}
+
 }  // namespace
 
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
                 const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
                 const ScratchDragConfig& drag, const MotionConfig& motion) {
   if (mouth) DrawLipsTogether(tool, *mouth, closing_W, config, drag, motion);
-  const auto over = [&](double z) { return Eigen::Vector3d(p_W.x(), p_W.y(), z); };
+  const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config.rim_inset_m) : p_W;
+  const auto over = [&](double z) { return Eigen::Vector3d(grasp.x(), grasp.y(), z); };
 
   tool.Fingers(config.opening_m);
   const double closing = AngleOf(closing_W);

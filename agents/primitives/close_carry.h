@@ -14,6 +14,7 @@ struct CloseCarryConfig {
   double lips_apart_m = 0.03;   ///< Lips farther apart than this are brought together first:
   double lip_inset_m = 0.015;   ///< the drawn one, grasped so far from its edge, is laid ...
   double lip_over_m = 0.01;     ///< ... so far beyond the other.
+  double rim_inset_m = 0.02;    ///< The bag is grasped no deeper than so far behind the near lip.
   double opening_m = 0.085;     ///< Wide: both layers are to be gathered.
   double height_m = 0;          ///< Above the table, where the fingers close; a flat bag is 3 mm.
   double contact_force_N = 10;  ///< Felt earlier (on the cube, say): close there.
@@ -28,6 +29,7 @@ struct CloseCarryConfig {
     v("lips_apart_m", lips_apart_m, Range{0, 1});
     v("lip_inset_m", lip_inset_m, Range{0, 0.05});
     v("lip_over_m", lip_over_m, Range{-0.05, 0.05});
+    v("rim_inset_m", rim_inset_m, Range{0, 1});
     v("opening_m", opening_m, Range{0.01, 0.085});
     v("height_m", height_m, Range{0, 0.1});
     v("contact_force_N", contact_force_N, Range{0.5, 40});
@@ -39,11 +41,11 @@ struct CloseCarryConfig {
   }
 };
 
-/// Draws the mouth's lips together over what lies in it, closes the gripper on the bag at p_W and
-/// lifts it. The waiting pose, to which the arm then goes with what it holds, is the rest of
-/// mu_carry.
+/// Draws the mouth's lips together over what lies in it, closes the gripper on the bag at p_W, or
+/// beside it at the rim, and lifts it. The waiting pose, to which the arm then goes with what it
+/// holds, is the rest of mu_carry.
 /// @param closing_W horizontal direction along which the fingers close.
-/// @param mouth none if it is not seen: then nothing is drawn.
+/// @param mouth none if it is not seen: then nothing is drawn, and the grasp is at p_W.
 /// @param drag how a lip is drawn.
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
                 const std::optional<Mouth>& mouth, const CloseCarryConfig& config,

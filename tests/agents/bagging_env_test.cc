@@ -254,6 +254,23 @@ TEST_F(BaggingEnvTest, CloseCarryFirstDrawsTheLipsTogetherIfTheyAreApart) {
   EXPECT_NEAR(drawn.normalized().dot(apart.normalized()), 1, 1e-9);
 }
 
+TEST_F(BaggingEnvTest, CloseCarryGraspsNoDeeperThanItsInsetBehindTheNearLip) {
+  const double inset = config_.close_carry.rim_inset_m;
+  const Mouth mouth{{0, -0.1, 0}, {0, -0.09, 0}};  // outward is -y
+  const auto grasp = [&](const Eigen::Vector3d& p_W, const std::optional<Mouth>& seen) {
+    rig_.moves.clear();
+    ToolMotion tool(rig_, config_.motion);
+    CloseCarry(tool, p_W, {1, 0, 0}, seen, config_.close_carry, config_.scratch_drag,
+               config_.motion);
+    return Eigen::Vector2d(HeldPath().front().head<2>());
+  };
+  const Eigen::Vector3d deep(0.03, 0.1, 0);
+  const Eigen::Vector3d shallow(-0.02, -0.1 + 0.5 * inset, 0);
+  EXPECT_TRUE(grasp(deep, mouth).isApprox(Eigen::Vector2d(0.03, -0.1 + inset), 1e-12));
+  EXPECT_TRUE(grasp(shallow, mouth).isApprox(Eigen::Vector2d(shallow.head<2>()), 1e-12));
+  EXPECT_TRUE(grasp(deep, std::nullopt).isApprox(Eigen::Vector2d(deep.head<2>()), 1e-12));
+}
+
 TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
   const double apart = config_.close_carry.lips_apart_m;
   const Mouth together{{0, -0.1, 0}, {0, -0.1 + 0.9 * apart, 0}};
