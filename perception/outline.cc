@@ -5,10 +5,10 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "perception/pose_points.h"
+
 namespace gusset {
 namespace {
-
-using Quad = std::array<cv::Point2d, 4>;
 
 template <class Point>
 cv::Point2d Centroid(const std::vector<Point>& contour) {
@@ -24,8 +24,6 @@ cv::Point2d RectCorner(const Outline& outline, int k) {
   return outline.middle + outline.normals[k] * outline.reach[k] +
          outline.normals[before] * outline.reach[before];
 }
-
-double Cross(cv::Point2d a, cv::Point2d b) { return a.x * b.y - a.y * b.x; }
 
 // The largest quadrilateral whose corners are points of the contour: for each diagonal the farthest
 // point on either side. Against the clock as one sees the image. None for fewer than four points in
@@ -46,7 +44,7 @@ std::optional<Quad> LargestQuad(const std::vector<Point>& contour) {
       std::array<cv::Point2d, 2> farthest{};
       for (std::size_t k = 0; k < n; ++k) {
         const int side = k > i && k < j ? 0 : 1;
-        const double h = std::abs(Cross(diagonal, cv::Point2d(hull[k]) - from));
+        const double h = std::abs(diagonal.cross(cv::Point2d(hull[k]) - from));
         if (h <= height[side]) continue;
         height[side] = h;
         farthest[side] = cv::Point2d(hull[k]);
@@ -58,7 +56,7 @@ std::optional<Quad> LargestQuad(const std::vector<Point>& contour) {
   }
   if (largest <= 0) return std::nullopt;
   // The image's y points down, so one sees a positive turn as clockwise.
-  if (Cross(quad[1] - quad[0], quad[2] - quad[0]) > 0) std::swap(quad[1], quad[3]);
+  if ((quad[1] - quad[0]).cross(quad[2] - quad[0]) > 0) std::swap(quad[1], quad[3]);
   return quad;
 }
 

@@ -4,7 +4,6 @@
 #include <numbers>
 
 namespace gusset {
-
 namespace {
 
 void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& closing_W,
@@ -33,17 +32,14 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
                 const ScratchDragConfig& drag, const MotionConfig& motion) {
   if (mouth) DrawLipsTogether(tool, *mouth, closing_W, config, drag, motion);
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config.rim_inset_m) : p_W;
-  const auto over = [&](double z) { return Eigen::Vector3d(grasp.x(), grasp.y(), z); };
 
   tool.Fingers(config.opening_m);
   const double closing = AngleOf(closing_W);
-  tool.Approach(over(std::max(motion.approach_m, p_W.z() + 0.03)), closing);
-  tool.GoUntilContact(over(config.height_m), config.contact_force_N);
+  tool.Approach(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), closing);
+  tool.GoUntilContact(At(grasp, config.height_m), config.contact_force_N);
   tool.Fingers(0);
-  tool.Go(over(config.upright_m), config.lift_speed_m_s);
-  Eigen::Vector3d high = over(0);
-  if (high.norm() > config.column_m) high *= config.column_m / high.norm();
-  high.z() = config.lift_height_m;
+  tool.Go(At(grasp, config.upright_m), config.lift_speed_m_s);
+  const Eigen::Vector3d high = At(Within(config.column_m, At(grasp, 0)), config.lift_height_m);
   tool.GoTilted(high, closing, config.tilt_deg * std::numbers::pi / 180, config.lift_speed_m_s);
 }
 

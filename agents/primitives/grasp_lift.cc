@@ -14,12 +14,6 @@ constexpr double kCentral_m = 0.01;
 constexpr double kClosing_rad = 0;  // the fingers close along world x
 constexpr double kNear_m = 0.03;    // guarded moves begin this far above the table
 
-Vector3d At(const Vector3d& p, double z) { return {p.x(), p.y(), z}; }
-
-Vector3d Within(double reach_m, const Vector3d& p) {
-  return p.norm() > reach_m ? Vector3d(p * (reach_m / p.norm())) : p;
-}
-
 // Up at from_W, over to high_W, and down to to_W.
 void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, const Vector3d& to_W,
             double hang_s, const GraspLiftConfig& config, const MotionConfig& motion) {

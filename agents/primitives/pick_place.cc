@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace gusset {
-namespace {
-
-Eigen::Vector3d At(const Eigen::Vector3d& p, double z) { return {p.x(), p.y(), z}; }
-
-}  // namespace
-
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const MotionConfig& motion) {

@@ -6,8 +6,7 @@ void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vect
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion) {
   const auto grasp = [&](double z) { return Eigen::Vector3d(p_W.x(), p_W.y(), z); };
-  Eigen::Vector3d drag(target_W.x() - p_W.x(), target_W.y() - p_W.y(), 0);
-  if (drag.norm() > config.drag_most_m) drag *= config.drag_most_m / drag.norm();
+  const Eigen::Vector3d drag = Within(config.drag_most_m, At(target_W - p_W, 0));
   const auto target = [&](double z) { return Eigen::Vector3d(grasp(z) + drag); };
 
   // tau_scratch: touch the cloth, close along the rim.

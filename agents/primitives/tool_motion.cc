@@ -42,6 +42,12 @@ double AngleOf(const Eigen::Vector3d& direction_W) {
   return std::atan2(direction_W.y(), direction_W.x());
 }
 
+Eigen::Vector3d At(const Eigen::Vector3d& p, double z) { return {p.x(), p.y(), z}; }
+
+Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v) {
+  return v.norm() > most_m ? Eigen::Vector3d(v * (most_m / v.norm())) : v;
+}
+
 void ToolMotion::Finish(const MoveResult& result, const char* what) {
   R_WT_ = result.X_WT.linear();
   if (result.end == MoveEnd::kReached || result.end == MoveEnd::kContact) return;

@@ -53,8 +53,11 @@ Eigen::Matrix3d DownwardTool(double closing_rad);
 /// Angle about z of a horizontal direction, for DownwardTool.
 double AngleOf(const Eigen::Vector3d& direction_W);
 
-/// A gripper at work. Motions that do not end as meant throw, so that a primitive reads as what it
-/// does; the orientation that the arm settled on is kept from one motion to the next.
+/// The point above or below p at height z.
+Eigen::Vector3d At(const Eigen::Vector3d& p, double z);
+/// v, shortened to most_m if it is longer.
+Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v);
+
 /// How hard a grasp presses on what it grasps.
 struct Press {
   double force_N = 1;
@@ -62,6 +65,8 @@ struct Press {
   double factor = 1;  ///< ... each time so many times as hard.
 };
 
+/// A gripper at work. Motions that do not end as meant throw, so that a primitive reads as what it
+/// does; the orientation that the arm settled on is kept from one motion to the next.
 class ToolMotion {
  public:
   /// A motion did not end as meant; what() says which and how.
