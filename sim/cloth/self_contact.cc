@@ -12,8 +12,8 @@ namespace {
 
 // Tuned 2026-11 for the least time over dragging, lifting and crumpling
 // (docs/physics.md).
-constexpr MotionForecast::Setting kFar = {0.015f, 0.0008f, 0.3f};
-constexpr MotionForecast::Setting kNear = {0.007f, 0.0003f, 0.2f};
+constexpr MotionForecast::Setting kFar = {0.015f, 0.001f, 0.3f, 0.004f};
+constexpr MotionForecast::Setting kNear = {0.007f, 0.0003f, 0.2f, 0.0012f};
 constexpr float kTrust = 0.8f;  // share of a margin after which a forecast is made anew
 // A plane that has turned until it separates by less than this share of the gap
 // is placed anew.
@@ -26,6 +26,8 @@ constexpr float kLeastKept_m = 2e-5f;
 constexpr float kPushBeyond_m = 2e-6f;
 
 Float4 Vector(const Vec4f& v) { return Float4::Load(v.data()); }
+
+Float4 Lanes(const std::array<float, 4>& lanes) { return Float4::Load(lanes.data()); }
 
 float Dot(Float4 a, Float4 b) { return Sum3(a * b); }
 
@@ -61,6 +63,8 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   SelectFrom(edge_edge_, x);
   force_count_ = contacts_.size();
   contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
+  planes_.resize((contacts_.size() + 3) / 4);
+  for (std::size_t i = 0; i < 4 * planes_.size(); ++i) SetPlane(i);
   ++selections_;
 }
 
@@ -161,7 +165,7 @@ void SelfContact::Place(const std::array<Contact*, 4>& contacts, const Vec4Array
     alignas(16) float w[4];
     weights[k].Store(w);
     c.weight = {w[0], w[1], w[2], w[3]};
-    c.gap_m = c.clear_m = length[k];
+    c.gap_m = length[k];
     if (length[k] > 1e-9f) continue;
     // Touching exactly: any direction across the second element will do.
     const auto p = [&](int j) { return Vec3f(x[c.node[j]].head<3>()); };
@@ -173,26 +177,35 @@ void SelfContact::Place(const std::array<Contact*, 4>& contacts, const Vec4Array
   }
 }
 
+// Copies what of a contact is looked at in every substep. Past the last contact: the last again.
+void SelfContact::SetPlane(std::size_t contact) {
+  const Contact& c = contacts_[std::min(contact, contacts_.size() - 1)];
+  Planes& p = planes_[contact / 4];
+  const std::size_t k = contact % 4;
+  p.nx[k] = c.normal[0], p.ny[k] = c.normal[1], p.nz[k] = c.normal[2];
+  p.w1[k] = c.weight[1], p.w2[k] = c.weight[2], p.w3[k] = c.weight[3];
+  p.edges[k] = c.edges ? 1.0f : 0.0f;
+  p.gap[k] = p.clear[k] = c.gap_m;
+  AcceptedClearance(Lanes(p.clear)).Store(p.accepted.data());
+  for (int j = 0; j < 4; ++j) p.node[j][k] = c.node[j];
+}
+
 namespace {
 
 // Heights of four contacts' nodes above their node 0, along their normals.
-template <class Contact>
+template <class Planes>
 struct Heights {
   Float4 h1, h2, h3, edges;
-  Heights(const Contact* const c[4], const Vec4Array& x) {
+  Heights(const Planes& p, const Vec4Array& x) {
     const auto at = [&](int k) {
-      return Gather(x.data(), c[0]->node[k], c[1]->node[k], c[2]->node[k], c[3]->node[k]);
+      const auto& n = p.node[k];
+      return Gather(x.data(), n[0], n[1], n[2], n[3]);
     };
-    Float4 n0 = Vector(c[0]->normal), n1 = Vector(c[1]->normal), n2 = Vector(c[2]->normal),
-           n3 = Vector(c[3]->normal);
-    Transpose(n0, n1, n2, n3);
-    const Vec3x4 n = {n0, n1, n2}, p0 = at(0);
+    const Vec3x4 n = {Lanes(p.nx), Lanes(p.ny), Lanes(p.nz)}, p0 = at(0);
     h1 = Dot(n, at(1) - p0);
     h2 = Dot(n, at(2) - p0);
     h3 = Dot(n, at(3) - p0);
-    alignas(16) float kind[4];
-    for (int k = 0; k < 4; ++k) kind[k] = c[k]->edges ? 1.0f : 0.0f;
-    edges = Float4(0.0f) < Float4::Load(kind);
+    edges = Float4(0.0f) < Lanes(p.edges);
   }
   // Lowest node of the first element over the highest of the second.
   Float4 Clearance() const {
@@ -208,23 +221,17 @@ struct Heights {
 void SelfContact::Measure(const Vec4Array& x) {
   const std::size_t count = contacts_.size();
   violated_.clear();
-  for (std::size_t i = 0; i < count; i += 4) {
-    const Contact* c[4];
-    for (std::size_t k = 0; k < 4; ++k) c[k] = &contacts_[std::min(i + k, count - 1)];
-    const Heights<Contact> h(c, x);
-    alignas(16) float w1[4], w2[4], w3[4];
-    for (int k = 0; k < 4; ++k)
-      w1[k] = c[k]->weight[1], w2[k] = c[k]->weight[2], w3[k] = c[k]->weight[3];
-    const Float4 gap = h.h1 * Float4::Load(w1) + h.h2 * Float4::Load(w2) + h.h3 * Float4::Load(w3);
+  for (std::size_t g = 0; g < planes_.size(); ++g) {
+    Planes& p = planes_[g];
+    const Heights<Planes> h(p, x);
+    const Float4 gap = h.h1 * Lanes(p.w1) + h.h2 * Lanes(p.w2) + h.h3 * Lanes(p.w3);
     const Float4 clear = h.Clearance();
+    gap.Store(p.gap.data());
+    clear.Store(p.clear.data());
+    AcceptedClearance(clear).Store(p.accepted.data());
     const int turned = Bits(clear < gap * kTilted);
-    alignas(16) float g[4], cl[4];
-    gap.Store(g);
-    clear.Store(cl);
-    for (std::size_t k = 0; k < std::min<std::size_t>(4, count - i); ++k) {
-      contacts_[i + k].gap_m = g[k];
-      contacts_[i + k].clear_m = cl[k];
-      if (turned >> k & 1) violated_.push_back(static_cast<int>(i + k));
+    for (std::size_t k = 0; turned != 0 && k < 4 && 4 * g + k < count; ++k) {
+      if (turned >> k & 1) violated_.push_back(static_cast<int>(4 * g + k));
     }
   }
   std::array<Contact*, 4> four{};
@@ -234,6 +241,7 @@ void SelfContact::Measure(const Vec4Array& x) {
       if (filled == 0) return;
       for (int k = filled; k < 4; ++k) four[k] = four[0];
       Place(four, x);
+      for (int k = 0; k < filled; ++k) SetPlane(four[k] - contacts_.data());
       filled = 0;
     };
     for (const int i : violated_) {
@@ -257,7 +265,9 @@ void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float
   far_.Age(h);
   near_.Age(h);
   for (std::size_t i = 0; i < force_count_; ++i) {
-    contacts_[i].target_m = std::min(thickness_m_, contacts_[i].gap_m + separation_m);
+    Contact& c = contacts_[i];
+    c.gap_m = planes_[i / 4].gap[i % 4];
+    c.target_m = std::min(thickness_m_, c.gap_m + separation_m);
   }
 }
 
@@ -314,14 +324,15 @@ void SelfContact::StopRebound(const std::vector<float>& inv_mass, Vec4Array& v) 
 
 // What must be left of a contact's clearance at the substep's end: no less than
 // half of it, and nothing may be lost of the last micrometres.
-float SelfContact::LeastClearance(const Contact& c) const {
-  if (c.clear_m <= kLeastKept_m) return c.clear_m;
-  return std::min(0.1f * thickness_m_, std::max(0.5f * c.clear_m, kLeastKept_m));
+float SelfContact::LeastClearance(float clear_m) const {
+  if (clear_m <= kLeastKept_m) return clear_m;
+  return std::min(0.1f * thickness_m_, std::max(0.5f * clear_m, kLeastKept_m));
 }
 
 // The sweeps stop here; nothing is taken from what never shrinks.
-float SelfContact::AcceptedClearance(const Contact& c) const {
-  return c.clear_m <= kLeastKept_m ? c.clear_m : 0.9f * LeastClearance(c);
+Float4 SelfContact::AcceptedClearance(Float4 clear_m) const {
+  const Float4 least = Min(0.1f * thickness_m_, Max(clear_m * 0.5f, kLeastKept_m));
+  return gusset::Select(clear_m <= kLeastKept_m, clear_m, least * 0.9f);
 }
 
 // The extreme nodes' distance along the normal: positive while a plane
@@ -348,16 +359,11 @@ float SelfContact::Clearance(const Contact& c, const Vec4Array& x, int& first, i
 bool SelfContact::FindViolated(const Vec4Array& x) {
   violated_.clear();
   const std::size_t count = contacts_.size();
-  for (std::size_t i = 0; i < count; i += 4) {
-    const Contact* c[4];
-    alignas(16) float least[4];
-    for (std::size_t k = 0; k < 4; ++k) {
-      c[k] = &contacts_[std::min(i + k, count - 1)];
-      least[k] = AcceptedClearance(*c[k]);
-    }
-    const int lacking = Bits(Heights<Contact>(c, x).Clearance() < Float4::Load(least));
-    for (std::size_t k = 0; lacking != 0 && k < std::min<std::size_t>(4, count - i); ++k) {
-      if (lacking >> k & 1) violated_.push_back(static_cast<int>(i + k));
+  for (std::size_t g = 0; g < planes_.size(); ++g) {
+    const Planes& p = planes_[g];
+    const int lacking = Bits(Heights<Planes>(p, x).Clearance() < Lanes(p.accepted));
+    for (std::size_t k = 0; lacking != 0 && k < 4 && 4 * g + k < count; ++k) {
+      if (lacking >> k & 1) violated_.push_back(static_cast<int>(4 * g + k));
     }
   }
   return !violated_.empty();
@@ -369,7 +375,7 @@ bool SelfContact::PushApart(const std::vector<float>& inv_mass, Vec4Array& x) {
     for (const int i : violated_) {
       const Contact& c = contacts_[i];
       int first, second;
-      const float lack = LeastClearance(c) - Clearance(c, x, first, second);
+      const float lack = LeastClearance(clear_m(i)) - Clearance(c, x, first, second);
       if (lack <= 0) continue;
       const Vec4f push = c.normal * ((lack + kPushBeyond_m) / (inv_mass[first] + inv_mass[second]));
       x[first] += push * inv_mass[first];
@@ -427,14 +433,14 @@ void SelfContact::MoveAsZones(const Vec4Array& x_prev, const std::vector<float>&
     // Clearance is a concave function of the nodes, clear_m at the rigid
     // motion: this share of the way to where they want to be leaves what must
     // be left.
-    for (const Contact& c : contacts_) {
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      const Contact& c = contacts_[i];
       const int root = find(c.node[0]);
       if (find(c.node[1]) != root || find(c.node[2]) != root || find(c.node[3]) != root) continue;
       int first, second;
       const float clear = Clearance(c, wanted, first, second);
-      const float least = LeastClearance(c);
-      if (clear < least)
-        share[root] = std::min(share[root], (c.clear_m - least) / (c.clear_m - clear));
+      const float before = clear_m(i), least = LeastClearance(before);
+      if (clear < least) share[root] = std::min(share[root], (before - least) / (before - clear));
     }
     for (std::size_t i = 0; i < count; ++i) {
       const int root = find(i);

@@ -62,14 +62,24 @@ class SelfContact {
     Vec4f normal = Vec4f::Zero();      ///< From the second element to the first.
     std::array<float, 4> weight = {};  ///< Of each node in the gap vector; signed.
     std::array<std::uint16_t, 4> node = {};
-    float gap_m = 0;    ///< Along the normal between the weighted points, at the
-                        ///< substep's start.
-    float clear_m = 0;  ///< Between the elements' extreme nodes, at the substep's start.
+    float gap_m = 0;  ///< Along the normal between the weighted points, at the substep's start;
+                      ///< kept up to date for contacts that carry force.
     float target_m = 0;
     std::uint16_t triangle = 0;
     bool edges = false;
     bool force = false;
     bool pushed = false;  ///< In this substep.
+  };
+  /// What is looked at in every substep, of four contacts, side by side: a third of their bytes.
+  struct alignas(16) Planes {
+    using Lanes = std::array<float, 4>;
+    Lanes nx, ny, nz;  ///< Normals.
+    Lanes w1, w2, w3;  ///< Weights of nodes 1 to 3.
+    Lanes edges;       ///< 1: edge against edge, 0: node against triangle.
+    Lanes gap, clear;  ///< At the substep's start: as Contact::gap_m, and between the
+                       ///< elements' extreme nodes.
+    Lanes accepted;    ///< Clearance that the substep's end must leave.
+    std::array<std::array<std::uint16_t, 4>, 4> node;  ///< [corner][lane]
   };
 
   void Search(const Vec4Array& x, const Vec4Array& v);
@@ -79,8 +89,10 @@ class SelfContact {
   void Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const;
   void Measure(const Vec4Array& x);
   float Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const;
-  float LeastClearance(const Contact& c) const;
-  float AcceptedClearance(const Contact& c) const;
+  float LeastClearance(float clear_m) const;
+  Float4 AcceptedClearance(Float4 clear_m) const;
+  float clear_m(std::size_t contact) const { return planes_[contact / 4].clear[contact % 4]; }
+  void SetPlane(std::size_t contact);
   bool FindViolated(const Vec4Array& x);
   bool PushApart(const std::vector<float>& inv_mass, Vec4Array& x);
   void MoveAsZones(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float floor_m,
@@ -95,6 +107,7 @@ class SelfContact {
       edge_edge_;                  ///< What may meet within far_.
   std::vector<Contact> contacts_;  ///< What may meet within near_; first those that carry force.
   std::size_t force_count_ = 0;
+  std::vector<Planes> planes_;  ///< Of all contacts, in their order; the last ones repeated.
   // Scratch.
   Vec4Array v_;
   Vec4Array from_, to_;  ///< Displacements since the search, now and at the near
