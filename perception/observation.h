@@ -19,11 +19,12 @@ struct PosePoint {
   bool from_depth = false;                        ///< False: no depth there; p_W lies on the table.
 };
 
-/// Side of the body at which the mouth is. Unit vectors in the world, horizontal.
+/// Side of the body at which the mouth is. Unit vectors; those in the world are horizontal.
 struct Rim {
   cv::Point2d middle_px;
-  Eigen::Vector3d outward_W;  ///< From the body's centroid to the middle of the rim.
-  Eigen::Vector3d along_W;    ///< Along the rim, from corners[0] to corners[1].
+  cv::Point2d outward_px;     ///< The way the mouth looks.
+  Eigen::Vector3d outward_W;  ///< The same.
+  Eigen::Vector3d along_W;    ///< Across it, from corners[0] towards corners[1].
 };
 
 /// The mouth's two lips: the labels nearest the rim, and those that were drawn back onto the body.

@@ -116,19 +116,6 @@ Outline Outline::From(int first) const {
 Outline FitOutline(const std::vector<cv::Point>& contour) { return Fit(contour); }
 Outline FitOutline(const std::vector<cv::Point2f>& contour) { return Fit(contour); }
 
-int SideNearest(const Outline& outline, const std::vector<cv::Point2d>& points) {
-  std::array<double, 4> score{};
-  for (int side = 0; side < 4; ++side) {
-    for (const cv::Point2d& point : points) {
-      // 0 at the middle or beyond, 1 at the side; squared, so that those at the side decide.
-      const double near = std::max(0., (point - outline.middle).dot(outline.normals[side]) /
-                                           std::max(outline.reach[side], 1.));
-      score[side] += near * near;
-    }
-  }
-  return static_cast<int>(std::max_element(score.begin(), score.end()) - score.begin());
-}
-
 int SideTowards(const Outline& outline, cv::Point2d direction) {
   int best = 0;
   for (int side = 1; side < 4; ++side) {

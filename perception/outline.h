@@ -29,10 +29,6 @@ struct Outline {
 Outline FitOutline(const std::vector<cv::Point>& contour);
 Outline FitOutline(const std::vector<cv::Point2f>& contour);
 
-/// The side along which the points lie: with the mouth's labels, the rim. Points beyond the middle
-/// do not count against a side, since labels of the layer that was pulled back lie there.
-int SideNearest(const Outline& outline, const std::vector<cv::Point2d>& points);
-
 /// The side that looks most nearly in the given direction.
 int SideTowards(const Outline& outline, cv::Point2d direction);
 

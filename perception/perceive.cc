@@ -14,6 +14,7 @@
 #include "perception/opening_area.h"
 #include "perception/outline.h"
 #include "perception/pose_points.h"
+#include "perception/rim.h"
 #include "perception/view.h"
 
 namespace gusset {
@@ -71,11 +72,15 @@ Eigen::Vector3d Level(const View& view, cv::Point2d from, cv::Point2d to,
   return offset.norm() > 0 ? offset.normalized() : Eigen::Vector3d::UnitX();
 }
 
-Rim FindRim(const Outline& outline, const View& view, const PerceptionConfig& config) {
+Rim FindRim(const Outline& outline, cv::Point2d outward, const View& view,
+            const PerceptionConfig& config) {
   Rim rim;
   rim.middle_px = 0.5 * (outline.corners[0] + outline.corners[1]);
-  rim.outward_W = Level(view, outline.centroid, rim.middle_px, config);
-  rim.along_W = Level(view, outline.corners[0], outline.corners[1], config);
+  rim.outward_px = outward;
+  // A step as long as a bag: short ones would be lost in rounding.
+  const cv::Point2d step = 100 * outward;
+  rim.outward_W = Level(view, outline.centroid, outline.centroid + step, config);
+  rim.along_W = {-rim.outward_W.y(), rim.outward_W.x(), 0};
   return rim;
 }
 
@@ -83,8 +88,7 @@ Rim FindRim(const Outline& outline, const View& view, const PerceptionConfig& co
 std::optional<Lips> FindLips(const Observation& observation, const View& view,
                              const PerceptionConfig& config) {
   if (!observation.mouth_seen) return std::nullopt;
-  const cv::Point2d inward = observation.bag_centroid - observation.rim->middle_px;
-  const auto depth = [&](const cv::Point2d& px) { return px.dot(inward); };
+  const auto depth = [&](const cv::Point2d& px) { return -px.dot(observation.rim->outward_px); };
   const auto [nearest, farthest] = std::ranges::minmax(observation.labels, {}, depth);
   const double half = 0.5 * (depth(nearest) + depth(farthest));
   std::array<cv::Point2d, 2> sum{};
@@ -116,12 +120,20 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
   for (cv::Point2d& point : outline.corners) point += corner;
 
   const bool from_rim = observation.state != State::kFolded && !observation.labels.empty();
-  outline =
-      outline.From(from_rim ? SideNearest(outline, observation.labels) : UpperRightCorner(outline));
+  cv::Point2d outward;
+  if (from_rim) {
+    outward = RimDirection(bag.mask, observation.labels, view.roi.tl(), config.rim_reach_px);
+    outline = outline.From(SideTowards(outline, outward));
+    if (observation.state == State::kUnfolded) {
+      outline.corners = CornersFromRow(outline, observation.labels, outward, config.label_inset_px);
+    }
+  } else {
+    outline = outline.From(UpperRightCorner(outline));
+  }
   observation.corners = outline.corners;
   observation.bag_centroid = outline.centroid;
   if (from_rim) {
-    observation.rim = FindRim(outline, view, config);
+    observation.rim = FindRim(outline, outward, view, config);
     observation.lips = FindLips(observation, view, config);
   }
 
