@@ -25,7 +25,7 @@ void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, co
   tool.GoTilted(At(0.5 * (high_W + to_W), 0.6 * height), kClosing_rad, 0.5 * tilt,
                 config.lay_speed_m_s);
   tool.GoTilted(At(to_W, config.release_height_m), kClosing_rad, 0, config.lay_speed_m_s);
-  tool.OpenFingers();
+  tool.Fingers(config.release_opening_m);
   tool.Go(At(to_W, config.rise_m), config.rise_speed_m_s);
 }
 

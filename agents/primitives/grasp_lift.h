@@ -8,10 +8,10 @@ namespace gusset {
 /// fingertips above the table; lengths lie in the table's plane. All tuned, 2026-11, on folded
 /// starts of Bag 1 (docs/experiments.md).
 struct GraspLiftConfig {
-  double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
-  double contact_force_N = 1.5;  ///< Felt on the way down: close there ...
+  double opening_m = 0.085;      ///< Wide and light, the fingers gather the upper plies alone.
+  double contact_force_N = 0.7;  ///< Felt on the way down: close there ...
   int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
-  double press_factor = 1.6;     ///< pressing so many times as hard.
+  double press_factor = 1.2;     ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
   double lift_low_m = 0.27;    ///< Height for parameter 0 ...
   double lift_step_m = 0.006;  ///< ... and from one parameter to the next.
@@ -28,8 +28,9 @@ struct GraspLiftConfig {
   double spread_height_m = 0.06;  ///< ... at this height.
   double reach_m = 0.245;         ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
-  double rise_m = 0.08;          ///< After a release, and before the second grasp.
-  double rise_speed_m_s = 0.15;  ///< Away from the cloth, without pulling it along.
+  double release_opening_m = 0.045;  ///< Half open: wide open, they may stretch a fold they are in.
+  double rise_m = 0.08;              ///< After a release, and before the second grasp.
+  double rise_speed_m_s = 0.15;      ///< Away from the cloth, without pulling it along.
 
   double lift_height_m(int parameter) const { return lift_low_m + parameter * lift_step_m; }
 
@@ -54,6 +55,7 @@ struct GraspLiftConfig {
     v("spread_height_m", spread_height_m, Range{0.02, 0.3});
     v("reach_m", reach_m, Range{0.05, 0.25});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
+    v("release_opening_m", release_opening_m, Range{0.01, 0.085});
     v("rise_m", rise_m, Range{0.02, 0.3});
     v("rise_speed_m_s", rise_speed_m_s, Range{0.01, 1});
   }

@@ -8,12 +8,12 @@ namespace gusset {
 /// the fingertips. All tuned: whether one layer is caught, both or none is decided by the height at
 /// which touch_force_N is felt, against the cloth's thickness.
 struct ScratchDragConfig {
-  double opening_m = 0.045;   ///< Between the fingers as they come down.
-  double touch_force_N = 1;   ///< Felt when the fingertips rest on the cloth.
-  int retries = 3;            ///< If nothing is between the pads then, so often again,
-  double press_factor = 1.6;  ///< pressing so many times as hard.
-  double lift_m = 0.07;       ///< The layer is raised so far ...
-  double drag_most_m = 0.20;  ///< ... and dragged towards the target, so far at most.
+  double opening_m = 0.085;    ///< Between the fingers as they come down: wide, for a single layer.
+  double touch_force_N = 0.7;  ///< Felt when the fingertips rest on the cloth.
+  int retries = 3;             ///< If nothing is between the pads then, so often again,
+  double press_factor = 1.2;   ///< pressing so many times as hard.
+  double lift_m = 0.07;        ///< The layer is raised so far ...
+  double drag_most_m = 0.20;   ///< ... and dragged towards the target, so far at most.
   double drag_speed_m_s = 0.15;
   double release_height_m = 0.02;
   double release_opening_m = 0.045;  ///< Half open: enough to let go of one layer.
