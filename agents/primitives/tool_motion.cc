@@ -93,6 +93,15 @@ double ToolMotion::Fingers(double opening_m) {
   return robot_.MoveGripper(opening_m, config_.finger_speed_m_s, config_.grip_force_N);
 }
 
+void ToolMotion::LetGoAndRise() {
+  OpenFingers();
+  const Eigen::Isometry3d X_WT = robot_.Read().X_WT;
+  if (X_WT.translation().z() >= config_.approach_m) return;
+  // Wherever this ends, the way home is tried from there.
+  robot_.MoveTo(Pose(X_WT.linear(), At(X_WT.translation(), config_.approach_m)),
+                config_.descend_speed_m_s);
+}
+
 PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
                                 const std::function<void(ToolMotion&)>& action) {
   ToolMotion tool(robot, config);
@@ -101,12 +110,12 @@ PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
     action(tool);
   } catch (const ToolMotion::Aborted& aborted) {
     report = {false, aborted.what()};
-    tool.OpenFingers();
+    tool.LetGoAndRise();
   }
   MoveEnd end = robot.MoveToWaitingPose().end;
   if (end != MoveEnd::kReached) {
     // Whatever it holds or hangs on stopped it: let go and try once more.
-    tool.OpenFingers();
+    tool.LetGoAndRise();
     end = robot.MoveToWaitingPose().end;
     report.completed = false;
     report.note +=

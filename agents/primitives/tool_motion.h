@@ -94,6 +94,8 @@ class ToolMotion {
   /// As wide as they go. @returns the opening reached.
   double OpenFingers() { return Fingers(robot_.max_opening_m()); }
   void Wait(double seconds) { robot_.Wait(seconds); }
+  /// Opens the fingers and goes straight up out of the cloth, as far as that works; never throws.
+  void LetGoAndRise();
 
  private:
   void Finish(const MoveResult& result, const char* what);
@@ -104,7 +106,7 @@ class ToolMotion {
 };
 
 /// Runs `action`, then leaves the camera's view and lets things settle. If the action is aborted
-/// the gripper opens first. Never throws ToolMotion::Aborted.
+/// the gripper lets go and rises first. Never throws ToolMotion::Aborted.
 PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
                                 const std::function<void(ToolMotion&)>& action);
 

@@ -15,6 +15,9 @@ constexpr double kWatchPeriod_s = 0.005;
 constexpr std::size_t kWatchWindow = 4;
 constexpr int kReadingsAtRest = 16;          // averaged for one Read and for a guard's start; tuned
 constexpr double kClosedOpening_m = 0.0005;  // fingers nearer than this count as closed; tuned
+// After a protective stop the tool may still be pressed upon: a motion that begins so goes on while
+// the force grows no further than by this factor, or there would be no way back.
+constexpr double kRetreatFactor = 1.1;
 
 void RequirePositive(double value, const char* what) {
   if (std::isfinite(value) && value > 0) return;
@@ -46,10 +49,13 @@ std::optional<MoveEnd> SimRobot::Watch(const Guard* guard) {
   Eigen::Vector3d mean_W = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& force : forces_W_) mean_W += force;
   mean_W /= static_cast<double>(forces_W_.size());
+  if (forces_W_.size() == 1) {
+    force_bound_N_ = std::max(arm_model_.config().stop_force_N, kRetreatFactor * mean_W.norm());
+  }
 
   const JointVector torques = sensors_.TrueTorques(arm_.state(), force_W);
   if ((torques.cwiseAbs() - arm_model_.limits().torque).maxCoeff() > 0 ||
-      mean_W.norm() > arm_model_.config().stop_force_N) {
+      mean_W.norm() > force_bound_N_) {
     return MoveEnd::kProtectiveStop;
   }
   if (guard == nullptr || forces_W_.size() < kWatchWindow) return std::nullopt;

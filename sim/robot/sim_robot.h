@@ -68,6 +68,7 @@ class SimRobot : public RobotPort {
   Arm arm_;
   std::vector<Eigen::Isometry3d> X_WL_;
   std::deque<Eigen::Vector3d> forces_W_;  // the last few estimates
+  double force_bound_N_ = 0;              // of the motion under way
   double opening_m_;
   bool holding_ = false;
 };

@@ -287,7 +287,7 @@ TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
   EXPECT_EQ(moves(open), 5u);
 }
 
-TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionOpensTheGripperAndLeavesTheView) {
+TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionLetsGoRisesAndLeavesTheView) {
   const std::vector<int> states = {0, 1, 2, 3};
   for (const int state : states) {
     for (const MoveEnd refusal : {MoveEnd::kUnreachable, MoveEnd::kProtectiveStop}) {
@@ -296,7 +296,11 @@ TEST_F(BaggingEnvTest, ARefusedMotionEndsTheActionOpensTheGripperAndLeavesTheVie
         const Outcome outcome = Act(state, 0, state);
         EXPECT_NE(outcome.log["note"].get<std::string>(), "");
         EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
-        EXPECT_EQ(rig_.moves[rig_.moves.size() - 2].value, 0.085);
+        const Move& home = rig_.moves[rig_.moves.size() - 2];
+        EXPECT_GE(home.X_WT.translation().z(), config_.motion.approach_m - 1e-9);
+        const auto fingers = std::find_if(rig_.moves.rbegin(), rig_.moves.rend(),
+                                          [](const Move& m) { return m.kind == Move::kFingers; });
+        EXPECT_EQ(fingers->value, 0.085);
         EXPECT_EQ(outcome.next.state, state);
       }
     }

@@ -70,9 +70,20 @@ TEST_F(SimRobotInAir, FiftyNewtonsStopTheArm) {
   const MoveResult result = robot_.MoveTo(DownwardPose({0, 0, 0.0}, 0), 0.1);
   EXPECT_EQ(result.end, MoveEnd::kProtectiveStop);
   EXPECT_GT(result.X_WT.translation().z(), 0.01);
-  // It can be driven out again: the stop holds for one motion only. The load is there at its
-  // start, so it may take several.
-  air_.force = nullptr;
+}
+
+TEST_F(SimRobotInAir, AfterAProtectiveStopItMayRetreatButNotPressHarder) {
+  air_.force = Floor;
+  ASSERT_EQ(robot_.MoveTo(DownwardPose({0, 0, 0.1}, 0), 0.4).end, MoveEnd::kReached);
+  const MoveResult stopped = robot_.MoveTo(DownwardPose({0, 0, 0.0}, 0), 0.1);
+  ASSERT_EQ(stopped.end, MoveEnd::kProtectiveStop);
+  const double pressed_N = Floor(stopped.X_WT).z();
+  ASSERT_GT(pressed_N, 50);
+  const MoveResult deeper = robot_.MoveTo(DownwardPose({0, 0, 0.0}, 0), 0.02);
+  EXPECT_EQ(deeper.end, MoveEnd::kProtectiveStop);
+  // A tenth more stops it; 25 ms of watching and the braking at 20 mm/s add up to a millimetre.
+  EXPECT_LT(Floor(deeper.X_WT).z(), 1.1 * pressed_N + 20);
+  // The floor pushes as before, and the way up is free.
   EXPECT_EQ(robot_.MoveTo(DownwardPose({0, 0, 0.1}, 0), 0.1).end, MoveEnd::kReached);
 }
 
