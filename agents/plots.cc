@@ -28,6 +28,12 @@ void Text(cv::Mat& image, const std::string& text, cv::Point at, double scale = 
   cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, colour, 1, cv::LINE_AA);
 }
 
+// White with a dark rim, for cloth and canvas alike.
+void TextOnAnything(cv::Mat& image, const std::string& text, cv::Point at) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, {0, 0, 0}, 4, cv::LINE_AA);
+  Text(image, text, at, 0.45, {255, 255, 255});
+}
+
 std::string Number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", x);
@@ -140,6 +146,7 @@ cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states, int 
 cv::Mat DrawRewardMap(const cv::Mat& color, const Observation& seen,
                       const std::vector<double>& mean_rewards) {
   constexpr int kScale = 2;
+  constexpr double kLeastSpacing_px = 22;  // a disc and its rim
   const std::vector<PosePoint>& points =
       seen.state == State::kOpen ? seen.place_points : seen.grasp_points;
   cv::Mat image;
@@ -152,17 +159,27 @@ cv::Mat DrawRewardMap(const cv::Mat& color, const Observation& seen,
     low = std::min(low, mean);
     high = std::max(high, mean);
   }
-  // 81 points lie too close for numbers and for large discs.
-  const bool dense = points.size() > 20;
-  for (std::size_t i = 0; i < points.size() && i < mean_rewards.size(); ++i) {
-    const cv::Point at((points[i].px - cv::Point2d(seen.roi.tl())) * kScale);
+  const std::size_t shown = std::min(points.size(), mean_rewards.size());
+  const auto at = [&](std::size_t i) {
+    return cv::Point((points[i].px - cv::Point2d(seen.roi.tl())) * kScale);
+  };
+  // Points may lie too close for numbers and for large discs.
+  bool dense = false;
+  for (std::size_t i = 0; i < shown; ++i) {
+    for (std::size_t j = 0; j < i; ++j) dense = dense || cv::norm(at(i) - at(j)) < kLeastSpacing_px;
+  }
+  for (std::size_t i = 0; i < shown; ++i) {
     const int radius = dense ? 6 : 11;
     if (!std::isnan(mean_rewards[i])) {
       const double t = high > low ? (mean_rewards[i] - low) / (high - low) : 0.5;
-      cv::circle(image, at, radius, Heat(t), cv::FILLED, cv::LINE_AA);
-      if (!dense) Text(image, Number(mean_rewards[i]), at + cv::Point(14, 5), 0.45, {0, 0, 0});
+      cv::circle(image, at(i), radius, Heat(t), cv::FILLED, cv::LINE_AA);
     }
-    cv::circle(image, at, radius, kInk, 1, cv::LINE_AA);
+    cv::circle(image, at(i), radius, kInk, 1, cv::LINE_AA);
+  }
+  // By turns above and below: side by side along a rim they would cover one another.
+  for (std::size_t i = 0; i < shown && !dense; ++i) {
+    if (std::isnan(mean_rewards[i])) continue;
+    TextOnAnything(image, Number(mean_rewards[i]), at(i) + cv::Point(-16, i % 2 == 0 ? -16 : 26));
   }
   const std::string range = low <= high ? Number(low) + " to " + Number(high) : "nothing tried";
   Text(image, "s" + std::to_string(static_cast<int>(seen.state)) + "  mean reward " + range,
