@@ -8,10 +8,10 @@ namespace gusset {
 /// fingertips above the table; lengths lie in the table's plane. All tuned, 2026-11, on folded
 /// starts of Bag 1 (docs/experiments.md).
 struct GraspLiftConfig {
-  double opening_m = 0.085;      ///< Wide and light, the fingers gather the upper plies alone.
-  double contact_force_N = 0.7;  ///< Felt on the way down: close there ...
+  double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
+  double contact_force_N = 1.5;  ///< Felt on the way down: close there ...
   int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
-  double press_factor = 1.2;     ///< pressing so many times as hard.
+  double press_factor = 1.6;     ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
   double lift_low_m = 0.27;    ///< Height for parameter 0 ...
   double lift_step_m = 0.006;  ///< ... and from one parameter to the next.
