@@ -13,14 +13,14 @@ namespace gusset {
 class StartCache {
  public:
   StartCache();
-  /// @param key everything the start depends on; the program's own bytes are added to it.
+  /// @param key everything the start depends on but the sources, compiler and flags of this build,
+  /// which are added to it: others may step the cloth otherwise.
   std::optional<std::string> Find(const std::string& key) const;
   void Keep(const std::string& key, const std::string& value) const;
 
  private:
   std::filesystem::path FileOf(const std::string& key) const;
   std::filesystem::path folder_;  // empty: off
-  std::string program_;
 };
 
 }  // namespace gusset
