@@ -100,6 +100,8 @@ void Visit(Stream& s, World& world, Robot& robot) {
   list(world.cloth.tether_m, plain);
   list(world.cloth.tether_to, plain);
   s.Value(world.cloth.hold_limit_N);
+  s.Value(world.cloth.pad_half_width_m);
+  s.Value(world.cloth.pad_height_m);
   pose(world.cube.X_WB);
   vec3(world.cube.v_m_s);
   vec3(world.cube.w_rad_s);

@@ -330,30 +330,52 @@ void Cloth::MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates
 
 void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
   const float per_h2 = 1.0f / (h * h);
-  for (HeldPoint& held : state_.held) {
+  for (std::size_t i = 0; i < state_.held.size(); ++i) {
+    HeldPoint& held = state_.held[i];
     const Vec3f p = held.weight[0] * At(held.node[0]) + held.weight[1] * At(held.node[1]) +
                     held.weight[2] * At(held.node[2]);
     float w = 0;
     for (int k = 0; k < 3; ++k) w += held.weight[k] * held.weight[k] * inv_mass_[held.node[k]];
     const Vec3f target = X_WT * held.p_T;
     Vec3f push = (target - p) / w;
-    const float force = push.norm() * per_h2;
-    const float limit = held.share * state_.hold_limit_N;
-    if (force > limit) push *= limit / force;  // the pads give what friction allows: it slips
+    // The limit is one of the substep, however many sweeps it takes, tethers included.
+    const Vec3f wanted_N = held_N_[i] + push * per_h2;
+    const float force = wanted_N.norm();
+    const float limit = held.share * std::max(state_.hold_limit_N - tethered_N_, 0.0f);
+    const bool slips = force > limit;  // the pads give what friction allows
+    const Vec3f given_N = slips ? Vec3f(wanted_N * (limit / force)) : wanted_N;
+    if (slips) push = (given_N - held_N_[i]) / per_h2;
     for (int k = 0; k < 3; ++k) {
       x_[held.node[k]].head<3>() += push * (held.weight[k] * inv_mass_[held.node[k]]);
     }
-    if (force > limit) held.p_T = X_WT.inverse() * (p + push * w);
+    if (slips) held.p_T = X_WT.inverse() * (p + push * w);
+    held_N_[i] = given_N;
     hold_force_N_ -= push * per_h2;
   }
 }
 
-void Cloth::Tether(const Eigen::Isometry3f& X_WT) {
+void Cloth::LoseWhatSlippedOut() {
+  const auto outside = [&](const HeldPoint& held) {
+    return std::abs(held.p_T.y()) > state_.pad_half_width_m || held.p_T.z() > 0 ||
+           held.p_T.z() < -state_.pad_height_m;
+  };
+  if (std::erase_if(state_.held, outside) == 0) return;
+  if (state_.held.empty()) return EndHold();
+  // The pads press on what is left between them.
+  float total = 0;
+  for (const HeldPoint& held : state_.held) total += held.share;
+  for (HeldPoint& held : state_.held) held.share /= total;
+  MeasureTethers();
+}
+
+void Cloth::Tether(float h, const Eigen::Isometry3f& X_WT) {
   // Long-range attachments (Kim, Chentanez, Mueller 2012): no node further from
   // the hold than the cloth between them is long. Carries the load past what
   // one sweep of the yarns reaches.
   if (state_.tether_m.empty()) return;
-  const float per_h = static_cast<float>(solver_.substeps_per_s);
+  float left_N = state_.hold_limit_N - tethered_N_;
+  for (const Vec3f& force : held_N_) left_N -= force.norm();
+  const float per_h2 = 1.0f / (h * h);
   for (std::size_t i = 0; i < x_.size(); ++i) {
     const HeldPoint& held = state_.held[state_.tether_to[i]];
     const Vec3f anchor = X_WT * held.p_T;
@@ -361,9 +383,14 @@ void Cloth::Tether(const Eigen::Isometry3f& X_WT) {
     const float length2 = d.squaredNorm(), most = state_.tether_m[i];
     if (length2 <= most * most) continue;
     const float length = std::sqrt(length2);
-    const Vec3f move = d * (most / length - 1.0f);
-    x_[i].head<3>() += move;
-    hold_force_N_ -= move * (per_h * per_h / inv_mass_[i]);
+    Vec3f force = d * ((most / length - 1.0f) * per_h2 / inv_mass_[i]);
+    // Past the hold's limit the yarns alone pull, and what is held slips.
+    const float norm = force.norm();
+    if (norm > left_N) force *= std::max(left_N, 0.0f) / norm;
+    left_N -= norm;
+    tethered_N_ += std::min(norm, std::max(left_N + norm, 0.0f));
+    x_[i].head<3>() += force * (inv_mass_[i] / per_h2);
+    hold_force_N_ -= force;
   }
 }
 
@@ -376,15 +403,18 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     shape.angular_impulse.setZero();
   }
   hold_force_N_.setZero();
+  held_N_.assign(state_.held.size(), Vec3f::Zero());
+  tethered_N_ = 0;
 
   for (int k = 0; k < solver_.iterations; ++k) {
     SolveHold(h, X_WT);
-    Tether(X_WT);
+    Tether(h, X_WT);
     SolveLinks(h, k % 2 == 0, k == 0);
     contact_.Solve(x_prev_, inv_mass_, x_);
     for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
     SolveTable();
   }
+  LoseWhatSlippedOut();
   const float floor = 0.5f * mesh_.thickness_m;
   contact_.Enforce(x_prev_, inv_mass_, h, floor, x_);
   const float per_h = 1.0f / h;
@@ -513,7 +543,12 @@ void Cloth::BeginHold(const PadGap& gap, float limit_N) {
     held.share /= total;
   }
   state_.hold_limit_N = limit_N;
+  state_.pad_half_width_m = gap.half_width_m;
+  state_.pad_height_m = gap.height_m;
+  MeasureTethers();
+}
 
+void Cloth::MeasureTethers() {
   // Geodesic distance of every node from the held points, along yarns and
   // diagonals (Dijkstra).
   const std::size_t n = state_.x.size();
@@ -564,7 +599,7 @@ void Cloth::EndHold() {
   state_.held.clear();
   state_.tether_m.clear();
   state_.tether_to.clear();
-  state_.hold_limit_N = 0;
+  state_.hold_limit_N = state_.pad_half_width_m = state_.pad_height_m = 0;
 }
 
 }  // namespace gusset

@@ -33,6 +33,8 @@ struct ClothState {
   std::vector<float> tether_m;  ///< Per node: longest distance to tether_to; empty: no hold.
   std::vector<int> tether_to;   ///< Per node: index into held.
   float hold_limit_N = 0;
+  float pad_half_width_m = 0;  ///< Of the pads that hold; what slips past their edges is lost.
+  float pad_height_m = 0;
 };
 
 /// The volume between a gripper's pads, in the tool frame: |x| <= opening/2,
@@ -101,8 +103,10 @@ class Cloth {
   void SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h);
   void MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates) const;
   void SolveHold(float h, const Eigen::Isometry3f& X_WT);
+  void LoseWhatSlippedOut();
+  void MeasureTethers();
   void FindCandidates(const std::vector<RigidShape>& shapes);
-  void Tether(const Eigen::Isometry3f& X_WT);
+  void Tether(float h, const Eigen::Isometry3f& X_WT);
 
   ClothMesh mesh_;
   BagConfig bag_;
@@ -122,6 +126,9 @@ class Cloth {
   SelfContact contact_;
   float buckling_friction_N_, shear_friction_N_;  // of one link
   Vec3f hold_force_N_ = Vec3f::Zero();
+  // What the hold gave in the substep under way, N: each point, and through tethers in all.
+  Vec3Array held_N_;
+  float tethered_N_ = 0;
 };
 
 }  // namespace gusset

@@ -94,6 +94,23 @@ TEST(Cloth, PressesOnTheHoldWithItsWeight) {
   EXPECT_LT(bench.most_stretch, 1.1f);
 }
 
+TEST(Cloth, SlipsOutOfAHoldWeakerThanItsWeight) {
+  Bench bench(true);
+  bench.Run(0.3);
+  const float limit = 0.5f * bench.Weight();
+  bench.GrabAt({0.05f, 0.05f, 0}, limit);
+  ASSERT_TRUE(bench.cloth.holding());
+  float most = 0;
+  for (int i = 0; i < static_cast<int>(1.5f / bench.h); ++i) {
+    bench.Run(bench.h, Vec3f(0, 0, 0.4f));
+    most = std::max(most, bench.cloth.hold_force_N().norm());
+  }
+  EXPECT_GT(most, 0.5f * limit) << "nothing was pulled: the test shows nothing";
+  EXPECT_LT(most, 1.001f * limit) << "tethers included";
+  EXPECT_FALSE(bench.cloth.holding());
+  EXPECT_EQ(bench.Crossings(), 0);
+}
+
 // m g = 1/2 rho C A v^2: at that speed the air carries the sheet. Its heavier hem tips it over
 // later, so this looks at the first 0.1 s, in which a sheet without air would gain 1 m/s.
 TEST(Cloth, FallsOnAtTheTerminalSpeedOfAPlate) {
