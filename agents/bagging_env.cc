@@ -113,7 +113,7 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
     switch (before_.state) {
       case State::kFolded:
         return GraspLift(
-            tool, p_W,
+            tool, before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
             camera_.model().OntoPlane(before_.bag_centroid, config_.perception.table_height_m),
             parameter, config_.grasp_lift, motion);
       case State::kUnfolded:

@@ -36,6 +36,10 @@ struct PerceptionConfig {
   double cube_max_px2 = 1500;  ///< The cube seen from the side covers 650.
   double point_inset_px = 4;   ///< Pose points stay this far inside the cloth's edge.
 
+  double edge_cone_deg = 25;  ///< In s0 a grasp is at the bag's edge this near a pose point's side,
+  double edge_inset_px = 9;   ///< 15 mm inside it (docs/experiments.md),
+  double edge_central_px = 15;  ///< unless the point is this near the middle: that one has no side.
+
   double cube_side_m = 0.035;
   double table_height_m = 0;  ///< Where a pixel without depth is assumed to be.
   double depth_min_m = 0.3;   ///< Depths outside [min, max] are no measurement.
@@ -64,6 +68,9 @@ struct PerceptionConfig {
     v("cube_min_px2", cube_min_px2, Range{1, 1e5});
     v("cube_max_px2", cube_max_px2, Range{1, 1e5});
     v("point_inset_px", point_inset_px, Range{0, 20});
+    v("edge_cone_deg", edge_cone_deg, Range{0, 90});
+    v("edge_inset_px", edge_inset_px, Range{0, 50});
+    v("edge_central_px", edge_central_px, Range{0, 100});
     v("cube_side_m", cube_side_m, Range{0.005, 0.2});
     v("table_height_m", table_height_m, Range{-1, 1});
     v("depth_min_m", depth_min_m, Range{0.05, 10});

@@ -76,6 +76,8 @@ struct Observation {
   /// the opening to place at (the cube is grasped). s3: 81 to grasp. s4, s5: none.
   std::vector<PosePoint> grasp_points;
   std::vector<PosePoint> place_points;
+  /// The bag's edge on the side of each of grasp_points; only in s0.
+  std::vector<PosePoint> edge_points;
 
   std::vector<std::string> warnings;
 };

@@ -80,6 +80,7 @@ void DrawFigures(const Observation& observation, Pen& pen) {
       pen.Grid(observation.corners, 2, 1. / 3, 1. / 3, kGreen);
       pen.Grid(observation.corners, 3, 1. / 6, 1. / 3, kCyan);
       pen.Dots(observation.grasp_points, kRed, 4);
+      pen.Dots(observation.edge_points, kRed, 2);
       break;
     case State::kUnfolded:
       pen.Dots(observation.grasp_points, kRed, 2);

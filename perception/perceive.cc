@@ -118,6 +118,8 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
   outline.centroid += corner;
   outline.middle += corner;
   for (cv::Point2d& point : outline.corners) point += corner;
+  std::vector<cv::Point> contour = bag.contour;
+  for (cv::Point& pixel : contour) pixel += view.roi.tl();
 
   const bool from_rim = observation.state != State::kFolded && !observation.labels.empty();
   cv::Point2d outward;
@@ -139,9 +141,13 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
 
   std::vector<cv::Point2d> grasp;
   std::vector<cv::Point2d> place;
+  std::vector<cv::Point2d> edge;
   switch (observation.state) {
     case State::kFolded:
       grasp = CellCentres(outline.corners, kZeta);
+      edge = EdgePoints(contour, outline.centroid, grasp,
+                        config.edge_cone_deg * std::numbers::pi / 180, config.edge_inset_px,
+                        config.edge_central_px);
       break;
     case State::kUnfolded:
       grasp = RimPoints(outline.corners, kRimPoints);
@@ -162,6 +168,7 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
   }
   observation.grasp_points = ToPosePoints(std::move(grasp), bag, view, config);
   observation.place_points = ToPosePoints(std::move(place), bag, view, config);
+  observation.edge_points = ToPosePoints(std::move(edge), bag, view, config);
 }
 
 void AddWarnings(const View& view, const std::optional<BagBody>& bag, Observation& observation) {

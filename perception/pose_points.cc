@@ -1,5 +1,6 @@
 #include "perception/pose_points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -44,6 +45,30 @@ std::vector<cv::Point2d> RimPoints(const Quad& quad, int count) {
   std::vector<cv::Point2d> points;
   for (int k = 0; k < count; ++k) points.push_back(GridPoint(quad, (k + 0.5) / count, kRimShare));
   return points;
+}
+
+std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::Point2d centre,
+                                    const std::vector<cv::Point2d>& points, double cone_rad,
+                                    double inset_px, double central_px) {
+  std::vector<cv::Point2d> edge;
+  for (const cv::Point2d& point : points) {
+    const cv::Point2d side = point - centre;
+    const double from_centre = cv::norm(side);
+    double farthest = 0;
+    cv::Point2d outward;
+    for (const cv::Point& pixel : contour) {
+      const cv::Point2d offset = cv::Point2d(pixel) - centre;
+      const double length = cv::norm(offset);
+      if (length <= farthest || offset.dot(side) < std::cos(cone_rad) * length * from_centre) {
+        continue;
+      }
+      farthest = length;
+      outward = offset / length;
+    }
+    const bool sideless = from_centre == 0 || from_centre < central_px || farthest == 0;
+    edge.push_back(sideless ? point : centre + std::max(0.0, farthest - inset_px) * outward);
+  }
+  return edge;
 }
 
 void SnapOnto(const cv::Mat& mask, cv::Point origin, double inset_px,

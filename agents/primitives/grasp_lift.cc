@@ -1,6 +1,7 @@
 #include "agents/primitives/grasp_lift.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace gusset {
@@ -29,35 +30,55 @@ void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, co
   tool.Go(At(to_W, config.rise_m), config.rise_speed_m_s);
 }
 
+// The point within reach_m of the table's middle that is nearest p_W on the way to it from
+// inside_W.
+Vector3d Reachable(double reach_m, const Vector3d& p_W, const Vector3d& inside_W) {
+  const Vector3d from = At(inside_W, 0);
+  const Vector3d way = At(p_W, 0) - from;
+  if (At(p_W, 0).norm() <= reach_m || way.norm() == 0) return p_W;
+  // |from + t way|^2 = reach_m^2; no such t if the line passes the disc: then where it comes
+  // nearest.
+  const double half_b = from.dot(way) / way.squaredNorm();
+  const double c = (from.squaredNorm() - reach_m * reach_m) / way.squaredNorm();
+  const double t = std::clamp(-half_b + std::sqrt(std::max(0.0, half_b * half_b - c)), 0.0, 1.0);
+  return At(Within(reach_m, from + t * way), p_W.z());
+}
+
 }  // namespace
 
 void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, int parameter,
                const GraspLiftConfig& config, const MotionConfig& motion) {
   Vector3d along = At(p_W - centre_W, 0);
   along = along.norm() > kCentral_m ? Vector3d(along.normalized()) : Vector3d(-Vector3d::UnitY());
+  const Vector3d grasp = Reachable(config.reach_m, p_W, centre_W);
   const Vector3d left(-along.y(), along.x(), 0);
   const Vector3d side = parameter % 2 == 1 ? left : Vector3d(-left);
 
   // tau_grasp. A crumpled bag may stand higher than the approach.
   tool.Fingers(config.opening_m);
-  tool.Approach(At(p_W, std::max(motion.approach_m, p_W.z() + kNear_m)), kClosing_rad);
-  tool.Go(At(p_W, p_W.z() + 0.01), motion.descend_speed_m_s);
+  tool.Approach(At(grasp, std::max(motion.approach_m, grasp.z() + kNear_m)), kClosing_rad);
+  tool.Go(At(grasp, grasp.z() + 0.01), motion.descend_speed_m_s);
   const Press press{config.contact_force_N, config.retries, config.press_factor};
-  tool.Seize(At(p_W, 0), config.opening_m, press);
+  tool.Seize(At(grasp, 0), config.opening_m, press);
 
   // mu_lift, first stroke: hang the bag and lay it along its way.
   const Vector3d high = Within(config.reach_m, -along * config.trail_m);
   const Vector3d laid = Within(config.reach_m, along * config.lay_m);
-  Stroke(tool, p_W, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config, motion);
+  Stroke(tool, grasp, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config,
+         motion);
 
-  // Second stroke: spread it across.
-  const Vector3d edge = along * config.spread_along_m + side * config.spread_from_m;
-  const Vector3d spread = Within(config.reach_m, edge + side * config.spread_m);
-  tool.Fingers(config.opening_m);
-  tool.Approach(At(edge, config.rise_m), kClosing_rad);
-  tool.Go(At(edge, kNear_m), motion.descend_speed_m_s);
-  tool.Seize(At(edge, 0), config.opening_m, press);
-  Stroke(tool, edge, At(0.5 * (edge + spread), config.spread_height_m), spread, 0, config, motion);
+  // Second and third stroke: spread it across, to either side.
+  for (const Vector3d& way : {side, Vector3d(-side)}) {
+    const Vector3d edge =
+        Within(config.reach_m, along * config.spread_along_m + way * config.spread_from_m);
+    const Vector3d spread = Within(config.reach_m, edge + way * config.spread_m);
+    tool.Fingers(config.opening_m);
+    tool.Approach(At(edge, config.rise_m), kClosing_rad);
+    tool.Go(At(edge, kNear_m), motion.descend_speed_m_s);
+    tool.Seize(At(edge, 0), config.opening_m, press);
+    Stroke(tool, edge, At(0.5 * (edge + spread), config.spread_height_m), spread, 0, config,
+           motion);
+  }
 }
 
 }  // namespace gusset

@@ -22,14 +22,14 @@ struct GraspLiftConfig {
   double trail_m = 0.10;  ///< It is lifted so far beyond the table's middle ...
   double lay_m = 0.22;    ///< ... and laid out to so far on this side of it.
   double lay_speed_m_s = 0.25;
-  double spread_along_m = 0.05;   ///< Second stroke: grasped this far along the first ...
+  double spread_along_m = 0.05;   ///< To spread it: grasped this far along the first stroke ...
   double spread_from_m = 0.05;    ///< ... and to the side of it, and pulled sideways ...
   double spread_m = 0.16;         ///< ... so much further ...
   double spread_height_m = 0.06;  ///< ... at this height.
   double reach_m = 0.245;         ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
   double release_opening_m = 0.045;  ///< Half open: wide open, they may stretch a fold they are in.
-  double rise_m = 0.08;              ///< After a release, and before the second grasp.
+  double rise_m = 0.08;              ///< After a release, and before the next grasp.
   double rise_speed_m_s = 0.15;      ///< Away from the cloth, without pulling it along.
 
   double lift_height_m(int parameter) const { return lift_low_m + parameter * lift_step_m; }
@@ -61,11 +61,13 @@ struct GraspLiftConfig {
   }
 };
 
-/// Unfolds in two strokes. The first grasps the bag at p_W, lifts it to lift_height_m(parameter),
-/// parameter 0 to 8, over the table's middle and beyond, so that it hangs and unfolds under its
-/// weight, and lays it across the middle: its far end comes down first and table friction holds it.
-/// The second takes what lies beside that line and pulls it sideways, to the left for odd
-/// parameters, to the right for even ones.
+/// Unfolds in three strokes. The first grasps the bag at p_W, or as near it as the arm reaches,
+/// lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and beyond, so
+/// that it hangs and unfolds under its weight, and lays it across the middle: its far end comes
+/// down first and table friction holds it. The others take what lies beside that line and pull it
+/// sideways: first to the left for odd parameters, to the right for even ones, then to the other
+/// side.
+/// @param p_W a point at the bag's edge: held there it unfolds, held in the middle it does not.
 /// @param centre_W the bag's centre as seen: the first stroke goes from it to p_W, but through the
 ///   table's middle, so that the bag does not wander out of sight.
 void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& centre_W,

@@ -113,7 +113,7 @@ TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoi
     const Eigen::Vector3d centre =
         rig_.model().OntoPlane(env_.before().bag_centroid, config_.perception.table_height_m);
     const Eigen::Vector2d out =
-        (env_.before().grasp_points[point].p_W - centre).head<2>().normalized();
+        (env_.before().edge_points[point].p_W - centre).head<2>().normalized();
     const std::vector<Eigen::Vector3d> path = HeldPath();
     // Up, over the middle and beyond, half way down, laid.
     EXPECT_NEAR(path[1].head<2>().dot(out), -config_.grasp_lift.trail_m, 1e-9);
@@ -122,16 +122,39 @@ TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoi
   }
 }
 
-TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftForOddParametersAndToTheRightForEvenOnes) {
-  double aside[2] = {};
+TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftFirstForOddParametersAndThenToTheOtherSide) {
   for (const int parameter : {0, 1}) {
     (void)Act(0, 0 * 9 + parameter, 1);
+    // Three strokes of four moves: up, over, half way down, laid.
     const std::vector<Eigen::Vector3d> path = HeldPath();
+    ASSERT_EQ(path.size(), 12u);
     const Eigen::Vector2d along = path[3].head<2>().normalized();
-    aside[parameter] = path.back().head<2>().dot(Eigen::Vector2d(-along.y(), along.x()));
+    const Eigen::Vector2d left(-along.y(), along.x());
+    const double first = path[7].head<2>().dot(left);
+    EXPECT_GT(parameter == 1 ? first : -first, 0.15);
+    EXPECT_NEAR(path[11].head<2>().dot(left), -first, 1e-9);
+    EXPECT_NEAR(path[11].head<2>().dot(along), path[7].head<2>().dot(along), 1e-9);
   }
-  EXPECT_GT(aside[1], 0.15);
-  EXPECT_NEAR(aside[0], -aside[1], 1e-9);
+}
+
+TEST_F(BaggingEnvTest, GraspLiftTakesWhatIsOutOfReachNearerTheBagsCentre) {
+  config_.grasp_lift.reach_m = 0.06;
+  BaggingEnv near(rig_, rig_, rig_, rig_, config_);
+  for (const int point : {0, 3, 8}) {
+    rig_.next = 1;
+    (void)near.Begin("0", 5);
+    (void)near.Act(point * 9);
+    const Eigen::Vector3d centre =
+        rig_.model().OntoPlane(near.before().bag_centroid, config_.perception.table_height_m);
+    const Eigen::Vector2d grasp = Path().front().head<2>();
+    const Eigen::Vector2d edge = near.before().edge_points[point].p_W.head<2>();
+    ASSERT_GT(edge.norm(), 0.06);
+    EXPECT_NEAR(grasp.norm(), 0.06, 1e-9);
+    const Eigen::Vector2d way = edge - centre.head<2>();
+    EXPECT_NEAR((grasp - centre.head<2>()).dot(way.normalized()), (grasp - centre.head<2>()).norm(),
+                1e-9);
+    for (const Eigen::Vector3d& p : HeldPath()) EXPECT_LE(p.head<2>().norm(), 0.06 + 1e-9);
+  }
 }
 
 TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) {
@@ -144,7 +167,7 @@ TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) 
       if (move.kind == Move::kUntilContact) forces.push_back(move.value);
     }
     const auto each = static_cast<std::size_t>(empty ? 1 + config_.grasp_lift.retries : 1);
-    ASSERT_EQ(forces.size(), 2 * each) << "two grasps";
+    ASSERT_EQ(forces.size(), 3 * each) << "three grasps";
     for (std::size_t k = 1; k < each; ++k) {
       EXPECT_NEAR(forces[k] / forces[k - 1], config_.grasp_lift.press_factor, 1e-12);
     }
@@ -154,9 +177,10 @@ TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) 
 
 TEST_F(BaggingEnvTest, GraspLiftStaysWithinTheLiftColumnAndTheHeightOverTheCentre) {
   (void)Act(0, 0, 1);
-  const Eigen::Vector3d grasp = env_.before().grasp_points[0].p_W;
+  const Eigen::Vector3d edge = env_.before().edge_points[0].p_W;
   const std::vector<Eigen::Vector3d> path = Path();
-  EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12) << "begins above its point";
+  EXPECT_NEAR((path.front() - edge).head<2>().norm(), 0, 1e-12)
+      << "begins above the edge at its point";
   for (const Eigen::Vector3d& p : path) EXPECT_LE(p.z(), 0.36);
 }
 

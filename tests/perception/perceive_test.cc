@@ -48,6 +48,7 @@ void ExpectNear(const std::vector<cv::Point2d>& a, const std::vector<cv::Point2d
 void ExpectFinite(const Observation& o) {
   std::vector<PosePoint> points = o.grasp_points;
   points.insert(points.end(), o.place_points.begin(), o.place_points.end());
+  points.insert(points.end(), o.edge_points.begin(), o.edge_points.end());
   points.push_back(o.opening_centre);
   if (o.cube) points.push_back({o.cube->px, o.cube->p_W, true});
   for (const cv::Point2d& px : o.corners) points.push_back({px});
@@ -72,6 +73,7 @@ TEST(Perceive, TheFourTaskStatesHaveTheirPosePoints) {
     EXPECT_EQ(static_cast<int>(o.state), state);
     EXPECT_EQ(o.grasp_points.size(), grasp[state]);
     EXPECT_EQ(o.place_points.size(), place[state]);
+    EXPECT_EQ(o.edge_points.size(), state == 0 ? 9u : 0u);
     EXPECT_EQ(o.piece, state == 3);
     EXPECT_EQ(o.rim.has_value(), state != 0);
     EXPECT_TRUE(o.warnings.empty()) << o.warnings.front();
@@ -251,6 +253,30 @@ TEST(Perceive, FoldedPointsDependOnYawButNotOnPosition) {
   // Numbered from the upper right to the left.
   EXPECT_GT(middle.grasp_points[0].px.x, middle.grasp_points[2].px.x);
   EXPECT_LT(middle.grasp_points[0].px.y, middle.grasp_points[8].px.y);
+}
+
+TEST(Perceive, EdgePointsLieJustInsideTheClothBeyondTheirFoldedPoints) {
+  const PerceptionConfig config;
+  for (const Pose& pose : {Pose{}, Pose{{345, 220}, 0.4}}) {
+    const RgbdFrame frame = FrameOf(0, pose);
+    const Observation o = Look(frame);
+    ASSERT_EQ(o.edge_points.size(), 9u);
+    EXPECT_EQ(o.edge_points[4].px, o.grasp_points[4].px) << "the middle has no side";
+    for (const int k : {0, 1, 2, 3, 5, 6, 7, 8}) {
+      const cv::Point2d point = o.grasp_points[k].px - o.bag_centroid;
+      const cv::Point2d edge = o.edge_points[k].px - o.bag_centroid;
+      EXPECT_GT(cv::norm(edge), cv::norm(point));
+      EXPECT_GE(edge.dot(point) / (cv::norm(edge) * cv::norm(point)),
+                std::cos((config.edge_cone_deg + 3) * std::numbers::pi / 180));
+      // On the cloth, and beyond it one inset further out.
+      const cv::Point2d out = edge / cv::norm(edge);
+      const auto is_cloth = [&](const cv::Point2d& px) {
+        return frame.color.at<cv::Vec3b>(cv::Point(cvRound(px.x), cvRound(px.y)))[2] == 209;
+      };
+      EXPECT_TRUE(is_cloth(o.edge_points[k].px));
+      EXPECT_FALSE(is_cloth(o.edge_points[k].px + (config.edge_inset_px + 3) * out));
+    }
+  }
 }
 
 TEST(Perceive, UnfoldedPointsLieBesideTheRim) {
