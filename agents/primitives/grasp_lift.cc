@@ -67,18 +67,20 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   Stroke(tool, grasp, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config,
          motion);
 
-  // Second and third stroke: spread it across, to either side.
-  for (const Vector3d& way : {side, Vector3d(-side)}) {
-    const Vector3d edge =
-        Within(config.reach_m, along * config.spread_along_m + way * config.spread_from_m);
-    const Vector3d spread = Within(config.reach_m, edge + way * config.spread_m);
+  // Spread it: to either side, and what came down first away from where the first stroke ended.
+  const Vector3d beside = along * config.spread_along_m;
+  const auto spread = [&](const Vector3d& start, const Vector3d& way) {
+    const Vector3d from = Within(config.reach_m, start + way * config.spread_from_m);
+    const Vector3d to = Within(config.reach_m, from + way * config.spread_m);
     tool.Fingers(config.opening_m);
-    tool.Approach(At(edge, config.rise_m), kClosing_rad);
-    tool.Go(At(edge, kNear_m), motion.descend_speed_m_s);
-    tool.Seize(At(edge, 0), config.opening_m, press);
-    Stroke(tool, edge, At(0.5 * (edge + spread), config.spread_height_m), spread, 0, config,
-           motion);
-  }
+    tool.Approach(At(from, config.rise_m), kClosing_rad);
+    tool.Go(At(from, kNear_m), motion.descend_speed_m_s);
+    tool.Seize(At(from, 0), config.opening_m, press);
+    Stroke(tool, from, At(0.5 * (from + to), config.spread_height_m), to, 0, config, motion);
+  };
+  spread(beside, side);
+  spread(beside, -side);
+  spread(Vector3d::Zero(), -along);
 }
 
 }  // namespace gusset

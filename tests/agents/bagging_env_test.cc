@@ -122,18 +122,21 @@ TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoi
   }
 }
 
-TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftFirstForOddParametersAndThenToTheOtherSide) {
+TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftFirstForOddParametersThenToTheRightAndBack) {
   for (const int parameter : {0, 1}) {
     (void)Act(0, 0 * 9 + parameter, 1);
-    // Three strokes of four moves: up, over, half way down, laid.
+    // Four strokes of four moves: up, over, half way down, laid.
     const std::vector<Eigen::Vector3d> path = HeldPath();
-    ASSERT_EQ(path.size(), 12u);
+    ASSERT_EQ(path.size(), 16u);
     const Eigen::Vector2d along = path[3].head<2>().normalized();
     const Eigen::Vector2d left(-along.y(), along.x());
     const double first = path[7].head<2>().dot(left);
     EXPECT_GT(parameter == 1 ? first : -first, 0.15);
     EXPECT_NEAR(path[11].head<2>().dot(left), -first, 1e-9);
     EXPECT_NEAR(path[11].head<2>().dot(along), path[7].head<2>().dot(along), 1e-9);
+    // And straight back at the end.
+    EXPECT_NEAR(path[15].head<2>().dot(left), 0, 1e-9);
+    EXPECT_LT(path[15].head<2>().dot(along), -0.15);
   }
 }
 
@@ -167,7 +170,7 @@ TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) 
       if (move.kind == Move::kUntilContact) forces.push_back(move.value);
     }
     const auto each = static_cast<std::size_t>(empty ? 1 + config_.grasp_lift.retries : 1);
-    ASSERT_EQ(forces.size(), 3 * each) << "three grasps";
+    ASSERT_EQ(forces.size(), 4 * each) << "four grasps";
     for (std::size_t k = 1; k < each; ++k) {
       EXPECT_NEAR(forces[k] / forces[k - 1], config_.grasp_lift.press_factor, 1e-12);
     }
