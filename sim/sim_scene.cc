@@ -1,6 +1,8 @@
 #include "sim/sim_scene.h"
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "base/error.h"
 
@@ -32,6 +34,38 @@ void SimConfig::AppendTo(std::string& out) const {
   AppendToml("light", light, out);
   AppendToml("starts", starts, out);
 }
+
+namespace {
+
+// How a start was made, after its cloth.
+struct StartRecord {
+  std::int32_t kind, attempts, area_px;
+};
+
+// As a snapshot of a world that holds nothing else of interest, and a record.
+std::string PackStart(const Start& start, const Eigen::VectorXd& q) {
+  WorldState state;
+  state.cloth = start.cloth;
+  SimRobotState robot;
+  robot.q = q;
+  const StartRecord record{static_cast<std::int32_t>(start.kind), start.attempts, start.area_px};
+  std::string bytes = PackSnapshot(state, robot);
+  bytes.append(reinterpret_cast<const char*>(&record), sizeof record);
+  return bytes;
+}
+
+Start UnpackStart(const std::string& bytes) {
+  StartRecord record{};
+  if (bytes.size() < sizeof record) throw InputError("a kept start is cut short");
+  const std::size_t end = bytes.size() - sizeof record;
+  std::memcpy(&record, bytes.data() + end, sizeof record);
+  WorldState state;
+  SimRobotState robot;
+  UnpackSnapshot(bytes.substr(0, end), state, robot);
+  return {state.cloth, static_cast<FoldKind>(record.kind), record.attempts, record.area_px};
+}
+
+}  // namespace
 
 /// Where the arm moves: the present world, whichever that is.
 class SimScene::Slot : public ArmEnvironment {
@@ -89,27 +123,11 @@ Start SimScene::MakeStart(StartKind kind, std::uint64_t seed) const {
   const bool any = kind == StartKind::kFoldedAnyPose || kind == StartKind::kUnfoldedAnyPose;
   const std::string key = start_key_ + "start = [" + std::to_string(folded) + ", " +
                           std::to_string(any) + ", " + std::to_string(seed) + "]";
-  // Kept as a snapshot of a world that holds nothing else of interest.
-  WorldState state;
-  SimRobotState robot;
-  robot.q = arm_.waiting();
-  if (const std::optional<std::string> kept = cache_.Find(key)) {
-    UnpackSnapshot(*kept, state, robot);
-    Start start;
-    start.cloth = state.cloth;
-    start.kind = static_cast<FoldKind>(static_cast<int>(state.time_s));
-    start.attempts = static_cast<int>(state.rest_s);
-    start.area_px = static_cast<int>(state.held_clear_s);
-    return start;
-  }
-  Start start =
+  if (const std::optional<std::string> kept = cache_.Find(key)) return UnpackStart(*kept);
+  const Start start =
       folded ? MakeFoldedStart(config_.bag, config_.solver, config_.starts, camera_, any, seed)
              : MakeUnfoldedStart(config_.bag, config_.solver, config_.starts, camera_, any, seed);
-  state.cloth = start.cloth;
-  state.time_s = static_cast<int>(start.kind);
-  state.rest_s = start.attempts;
-  state.held_clear_s = start.area_px;
-  cache_.Keep(key, PackSnapshot(state, robot));
+  cache_.Keep(key, PackStart(start, arm_.waiting()));
   return start;
 }
 

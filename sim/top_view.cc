@@ -91,4 +91,24 @@ TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<B
   return view;
 }
 
+double ClothTopAt(const ClothMesh& mesh, const Vec3Array& x, const Eigen::Vector2d& point) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d a = x[t[0]].cast<double>(), b = x[t[1]].cast<double>(),
+                          c = x[t[2]].cast<double>();
+    // Barycentric coordinates in the plan.
+    const auto cross = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+      return u.x() * v.y() - u.y() * v.x();
+    };
+    const Eigen::Vector2d pa = a.head<2>() - point, pb = b.head<2>() - point,
+                          pc = c.head<2>() - point;
+    const double area = cross(pb - pa, pc - pa);
+    if (area == 0) continue;
+    const double w0 = cross(pb, pc) / area, w1 = cross(pc, pa) / area;
+    if (w0 < 0 || w1 < 0 || w0 + w1 > 1) continue;
+    top = std::max(top, w0 * a.z() + w1 * b.z() + (1 - w0 - w1) * c.z());
+  }
+  return top;
+}
+
 }  // namespace gusset

@@ -30,4 +30,8 @@ struct TopView {
 TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi);
 
+/// Height of the cloth's uppermost surface above or below the point (x, y), m; -infinity where
+/// there is no cloth.
+double ClothTopAt(const ClothMesh& mesh, const Vec3Array& x, const Eigen::Vector2d& point);
+
 }  // namespace gusset

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "base/error.h"
@@ -33,6 +34,12 @@ constexpr int kCheckEvery = 8;
 // Episode success asks for this height (docs/loop.md).
 constexpr double kClear_m = 0.15;
 constexpr int kClearEvery = 24;
+
+template <class T>
+T Mean(const std::vector<T>& ring) {
+  return std::accumulate(ring.begin() + 1, ring.end(), ring.front()) /
+         static_cast<double>(ring.size());
+}
 
 btTransform ToBullet(const Eigen::Isometry3d& X) {
   const Eigen::Matrix3d& R = X.linear();
@@ -111,7 +118,6 @@ struct World::Impl {
     RigidShape cube_rigid;
     cube_rigid.half = Vec3f::Constant(half);
     cube_rigid.friction = static_cast<float>(bag.friction_cube);
-    cube_rigid.inv_mass = static_cast<float>(1 / config.cube_mass_kg);
     shapes.push_back(cube_rigid);
 
     for (std::size_t l = 0; l < arm.robot().links().size(); ++l) {
@@ -280,10 +286,7 @@ struct World::Impl {
   void CheckCubeHold() {
     if (!cube_hold) return;
     cube_ring[steps % cube_ring.size()] = CubeForce();
-    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& f : cube_ring) pull += f;
-    pull /= static_cast<double>(cube_ring.size());
-    if (pull.norm() > 2 * config.pad_friction * hold_force) DropCube();
+    if (Mean(cube_ring).norm() > 2 * config.pad_friction * hold_force) DropCube();
   }
 
   Eigen::Vector3d CubeForce() const {
@@ -482,17 +485,9 @@ void World::Settle(double seconds) {
   for (long i = 0; i < steps; ++i) Step(X_WL, impl_->opening, true);
 }
 
-Eigen::Vector3d World::ForceOnTool() const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& f : impl_->force_ring) sum += f;
-  return sum / static_cast<double>(impl_->force_ring.size());
-}
+Eigen::Vector3d World::ForceOnTool() const { return Mean(impl_->force_ring); }
 
-double World::PadForce() const {
-  double sum = 0;
-  for (const double f : impl_->pad_ring) sum += f;
-  return sum / static_cast<double>(impl_->pad_ring.size());
-}
+double World::PadForce() const { return Mean(impl_->pad_ring); }
 
 bool World::PadsBlocked() const {
   if (impl_->CubeBetweenPads()) return true;

@@ -11,18 +11,21 @@ void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3
                       const MotionConfig& motion) {
   const Eigen::Vector3d apart = mouth.Apart_W();
   if (apart.norm() < config.lips_apart_m) return;
-  const Eigen::Vector3d outward = apart.normalized();
+  const Eigen::Vector3d outward = mouth.Outward_W();
   const Eigen::Vector3d grasp = mouth.drawn_W + config.lip_inset_m * outward;
   const Eigen::Vector3d to = grasp + apart + config.lip_over_m * outward;
   ScratchDrag(tool, grasp, to, closing_W, drag, motion);
 }
 
-// A bag that is held far behind its mouth tips over and loses what is in it.
-Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth, double inset_m) {
-  const Eigen::Vector3d apart = mouth.Apart_W();
-  if (apart.norm() == 0) return p_W;
-  const Eigen::Vector3d outward = apart.normalized();
-  return p_W + outward * std::max(0.0, (mouth.near_W - p_W).dot(outward) - inset_m);
+// A bag that is held far behind its mouth, or by a corner of it, tips over and loses what is in it.
+Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
+                         const CloseCarryConfig& config) {
+  const Eigen::Vector3d outward = mouth.Outward_W();
+  const Eigen::Vector3d along(-outward.y(), outward.x(), 0);
+  const Eigen::Vector3d to_lip = At(mouth.near_W - p_W, 0);
+  const double aside = to_lip.dot(along);
+  return p_W + outward * std::max(0.0, to_lip.dot(outward) - config.rim_inset_m) +
+         along * (aside - std::clamp(aside, -config.rim_aside_m, config.rim_aside_m));
 }
 
 }  // namespace
@@ -31,7 +34,7 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
                 const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
                 const ScratchDragConfig& drag, const MotionConfig& motion) {
   if (mouth) DrawLipsTogether(tool, *mouth, closing_W, config, drag, motion);
-  const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config.rim_inset_m) : p_W;
+  const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
 
   tool.Fingers(config.opening_m);
   const double closing = AngleOf(closing_W);

@@ -15,6 +15,7 @@ struct CloseCarryConfig {
   double lip_inset_m = 0.015;   ///< the drawn one, grasped so far from its edge, is laid ...
   double lip_over_m = 0.01;     ///< ... so far beyond the other.
   double rim_inset_m = 0.02;    ///< The bag is grasped no deeper than so far behind the near lip.
+  double rim_aside_m = 0.03;    ///< ... and no farther aside from its middle.
   double opening_m = 0.085;     ///< Wide: both layers are to be gathered.
   double height_m = 0;          ///< Above the table, where the fingers close; a flat bag is 3 mm.
   double contact_force_N = 10;  ///< Felt earlier (on the cube, say): close there.
@@ -30,6 +31,7 @@ struct CloseCarryConfig {
     v("lip_inset_m", lip_inset_m, Range{0, 0.05});
     v("lip_over_m", lip_over_m, Range{-0.05, 0.05});
     v("rim_inset_m", rim_inset_m, Range{0, 1});
+    v("rim_aside_m", rim_aside_m, Range{0, 1});
     v("opening_m", opening_m, Range{0.01, 0.085});
     v("height_m", height_m, Range{0, 0.1});
     v("contact_force_N", contact_force_N, Range{0.5, 40});

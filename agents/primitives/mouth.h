@@ -13,6 +13,8 @@ struct Mouth {
   Eigen::Vector3d Apart_W() const {
     return {near_W.x() - drawn_W.x(), near_W.y() - drawn_W.y(), 0};
   }
+  /// The way the mouth looks, as a unit vector; zero if the lips are not apart.
+  Eigen::Vector3d Outward_W() const { return Apart_W().normalized(); }
 };
 
 }  // namespace gusset

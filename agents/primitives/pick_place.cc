@@ -21,7 +21,7 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
   Eigen::Vector3d down_W = place_W;
   double closing = yaw_rad;
   if (mouth && mouth->Apart_W().norm() > 0) {
-    const Eigen::Vector3d outward = mouth->Apart_W().normalized();
+    const Eigen::Vector3d outward = mouth->Outward_W();
     down_W += outward * std::max(0.0, (mouth->near_W - place_W).dot(outward) - config.lip_inset_m);
     closing = AngleOf({-outward.y(), outward.x(), 0});
   }

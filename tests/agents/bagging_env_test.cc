@@ -281,8 +281,9 @@ TEST_F(BaggingEnvTest, CloseCarryFirstDrawsTheLipsTogetherIfTheyAreApart) {
   EXPECT_NEAR(drawn.normalized().dot(apart.normalized()), 1, 1e-9);
 }
 
-TEST_F(BaggingEnvTest, CloseCarryGraspsNoDeeperThanItsInsetBehindTheNearLip) {
+TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {
   const double inset = config_.close_carry.rim_inset_m;
+  const double aside = config_.close_carry.rim_aside_m;
   const Mouth mouth{{0, -0.1, 0}, {0, -0.09, 0}};  // outward is -y
   const auto grasp = [&](const Eigen::Vector3d& p_W, const std::optional<Mouth>& seen) {
     rig_.moves.clear();
@@ -291,9 +292,13 @@ TEST_F(BaggingEnvTest, CloseCarryGraspsNoDeeperThanItsInsetBehindTheNearLip) {
                config_.motion);
     return Eigen::Vector2d(HeldPath().front().head<2>());
   };
-  const Eigen::Vector3d deep(0.03, 0.1, 0);
+  const Eigen::Vector3d deep(aside, 0.1, 0);
   const Eigen::Vector3d shallow(-0.02, -0.1 + 0.5 * inset, 0);
-  EXPECT_TRUE(grasp(deep, mouth).isApprox(Eigen::Vector2d(0.03, -0.1 + inset), 1e-12));
+  EXPECT_TRUE(grasp(deep, mouth).isApprox(Eigen::Vector2d(aside, -0.1 + inset), 1e-12));
+  for (const double side : {-1, 1}) {
+    const Eigen::Vector3d corner(side * 3 * aside, -0.1 + 0.5 * inset, 0);
+    EXPECT_TRUE(grasp(corner, mouth).isApprox(Eigen::Vector2d(side * aside, corner.y()), 1e-12));
+  }
   EXPECT_TRUE(grasp(shallow, mouth).isApprox(Eigen::Vector2d(shallow.head<2>()), 1e-12));
   EXPECT_TRUE(grasp(deep, std::nullopt).isApprox(Eigen::Vector2d(deep.head<2>()), 1e-12));
 }

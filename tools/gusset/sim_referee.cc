@@ -42,28 +42,12 @@ Truth SimReferee::Judge() {
   evidence.labels_seen = static_cast<int>(seen.size());
   evidence.A_bag = truth.bag_area_px2;
   evidence.A_o = truth.opening_area_px2;
-  // The cube is seen where no cloth lies above its top face's centre.
+  // The cube is seen where no cloth lies above its centre.
   const cv::Point2d px = scene_.model().Project(cube);
   const cv::Point2d in_roi(px.x - roi.x, px.y - roi.y);
   const bool inside =
       in_roi.x >= 0 && in_roi.y >= 0 && in_roi.x < roi.width && in_roi.y < roi.height;
-  bool covered = false;
-  if (inside) {
-    const ClothMesh& mesh = world.cloth().mesh();
-    for (const auto& t : mesh.triangles) {
-      const Vec3f &a = cloth.x[t[0]], &b = cloth.x[t[1]], &c = cloth.x[t[2]];
-      const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-      if (area == 0) continue;
-      const double w0 =
-          ((b.x() - cube.x()) * (c.y() - cube.y()) - (b.y() - cube.y()) * (c.x() - cube.x())) /
-          area;
-      const double w1 =
-          ((c.x() - cube.x()) * (a.y() - cube.y()) - (c.y() - cube.y()) * (a.x() - cube.x())) /
-          area;
-      if (w0 < 0 || w1 < 0 || w0 + w1 > 1) continue;
-      covered |= w0 * a.z() + w1 * b.z() + (1 - w0 - w1) * c.z() > cube.z();
-    }
-  }
+  const bool covered = ClothTopAt(world.cloth().mesh(), cloth.x, cube.head<2>()) > cube.z();
   const bool in_frame = px.x >= 0 && px.y >= 0 && px.x < 640 && px.y < 480 && cube.z() < 0.5;
   evidence.cube_seen = in_frame && !covered;
   evidence.cube_in_roi = evidence.cube_seen && inside;
