@@ -67,7 +67,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   Stroke(tool, grasp, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config,
          motion);
 
-  // Spread it: to either side, and what came down first away from where the first stroke ended.
+  // Spread it: to either side, back and forth.
   const Vector3d beside = along * config.spread_along_m;
   const auto spread = [&](const Vector3d& start, const Vector3d& way) {
     const Vector3d from = Within(config.reach_m, start + way * config.spread_from_m);
@@ -81,6 +81,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   spread(beside, side);
   spread(beside, -side);
   spread(Vector3d::Zero(), -along);
+  spread(Vector3d::Zero(), along);
 }
 
 }  // namespace gusset

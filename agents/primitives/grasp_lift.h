@@ -23,7 +23,7 @@ struct GraspLiftConfig {
   double lay_m = 0.17;    ///< ... and laid out to so far on this side of it.
   double lay_speed_m_s = 0.25;
   double spread_along_m = 0.05;   ///< To spread it: grasped this far along the first stroke ...
-  double spread_from_m = 0.05;    ///< ... and to the side of it (or behind), and pulled there ...
+  double spread_from_m = 0.05;    ///< ... and beside it (or behind, or before) and pulled there ...
   double spread_m = 0.16;         ///< ... so much further ...
   double spread_height_m = 0.06;  ///< ... at this height.
   double reach_m = 0.245;         ///< The fingertips stay this close to the table's middle.
@@ -61,12 +61,12 @@ struct GraspLiftConfig {
   }
 };
 
-/// Unfolds in four strokes. The first grasps the bag at p_W, or as near it as the arm reaches,
+/// Unfolds in five strokes. The first grasps the bag at p_W, or as near it as the arm reaches,
 /// lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and beyond, so
 /// that it hangs and unfolds under its weight, and lays it across the middle: its far end comes
-/// down first and table friction holds it. The others pull outwards what lies beside that line
-/// (first on the left for odd parameters, on the right for even ones, then on the other side), and
-/// what lies at its far end.
+/// down first and table friction holds it. The others pull outwards what lies on either side of
+/// that line (first on the left for odd parameters, on the right for even ones), at its far end and
+/// at its near one.
 /// @param p_W a point at the bag's edge: held there it unfolds, held in the middle it does not.
 /// @param centre_W the bag's centre as seen: the first stroke goes from it to p_W, but through the
 ///   table's middle, so that the bag does not wander out of sight.

@@ -122,21 +122,22 @@ TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoi
   }
 }
 
-TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftFirstForOddParametersThenToTheRightAndBack) {
+TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftFirstForOddParametersThenRightBackAndForth) {
   for (const int parameter : {0, 1}) {
     (void)Act(0, 0 * 9 + parameter, 1);
-    // Four strokes of four moves: up, over, half way down, laid.
+    // Five strokes of four moves: up, over, half way down, laid.
     const std::vector<Eigen::Vector3d> path = HeldPath();
-    ASSERT_EQ(path.size(), 16u);
+    ASSERT_EQ(path.size(), 20u);
     const Eigen::Vector2d along = path[3].head<2>().normalized();
     const Eigen::Vector2d left(-along.y(), along.x());
     const double first = path[7].head<2>().dot(left);
     EXPECT_GT(parameter == 1 ? first : -first, 0.15);
     EXPECT_NEAR(path[11].head<2>().dot(left), -first, 1e-9);
     EXPECT_NEAR(path[11].head<2>().dot(along), path[7].head<2>().dot(along), 1e-9);
-    // And straight back at the end.
-    EXPECT_NEAR(path[15].head<2>().dot(left), 0, 1e-9);
+    // Then straight back and forth.
+    for (const int end : {15, 19}) EXPECT_NEAR(path[end].head<2>().dot(left), 0, 1e-9);
     EXPECT_LT(path[15].head<2>().dot(along), -0.15);
+    EXPECT_NEAR(path[19].head<2>().dot(along), -path[15].head<2>().dot(along), 1e-9);
   }
 }
 
@@ -170,7 +171,7 @@ TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) 
       if (move.kind == Move::kUntilContact) forces.push_back(move.value);
     }
     const auto each = static_cast<std::size_t>(empty ? 1 + config_.grasp_lift.retries : 1);
-    ASSERT_EQ(forces.size(), 4 * each) << "four grasps";
+    ASSERT_EQ(forces.size(), 5 * each) << "five grasps";
     for (std::size_t k = 1; k < each; ++k) {
       EXPECT_NEAR(forces[k] / forces[k - 1], config_.grasp_lift.press_factor, 1e-12);
     }
