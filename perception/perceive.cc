@@ -118,8 +118,6 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
   outline.centroid += corner;
   outline.middle += corner;
   for (cv::Point2d& point : outline.corners) point += corner;
-  std::vector<cv::Point> contour = bag.contour;
-  for (cv::Point& pixel : contour) pixel += view.roi.tl();
 
   const bool from_rim = observation.state != State::kFolded && !observation.labels.empty();
   cv::Point2d outward;
@@ -145,7 +143,7 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
   switch (observation.state) {
     case State::kFolded:
       grasp = CellCentres(outline.corners, kZeta);
-      edge = EdgePoints(contour, outline.centroid, grasp,
+      edge = EdgePoints(bag.contour, view.roi.tl(), outline.centroid, grasp,
                         config.edge_cone_deg * std::numbers::pi / 180, config.edge_inset_px,
                         config.edge_central_px);
       break;

@@ -47,9 +47,10 @@ std::vector<cv::Point2d> RimPoints(const Quad& quad, int count) {
   return points;
 }
 
-std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::Point2d centre,
-                                    const std::vector<cv::Point2d>& points, double cone_rad,
-                                    double inset_px, double central_px) {
+std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::Point origin,
+                                    cv::Point2d centre, const std::vector<cv::Point2d>& points,
+                                    double cone_rad, double inset_px, double central_px) {
+  const double least_cos = std::cos(cone_rad);
   std::vector<cv::Point2d> edge;
   for (const cv::Point2d& point : points) {
     const cv::Point2d side = point - centre;
@@ -57,9 +58,9 @@ std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::P
     double farthest = 0;
     cv::Point2d outward;
     for (const cv::Point& pixel : contour) {
-      const cv::Point2d offset = cv::Point2d(pixel) - centre;
+      const cv::Point2d offset = cv::Point2d(pixel + origin) - centre;
       const double length = cv::norm(offset);
-      if (length <= farthest || offset.dot(side) < std::cos(cone_rad) * length * from_centre) {
+      if (length <= farthest || offset.dot(side) < least_cos * length * from_centre) {
         continue;
       }
       farthest = length;

@@ -58,10 +58,10 @@ TEST(EdgePoints, AreTheCornersWithinTheConeAndElseItsRim) {
       {120, 70},  // 26.6 degrees off the axis, 18.4 off the corner.
       {120, 80},  // On the axis: the corners are 45 degrees away.
   };
-  const auto wide = EdgePoints(square, centre, points, 25 * CV_PI / 180, 9, 15);
+  const auto wide = EdgePoints(square, {0, 0}, centre, points, 25 * CV_PI / 180, 9, 15);
   EXPECT_LT(cv::norm(wide[0] - (centre + (diagonal - 9) / diagonal * cv::Point2d(40, -40))), 1e-9);
   EXPECT_NEAR(cv::norm(wide[1] - centre), 40 / std::cos(25 * CV_PI / 180) - 9, 0.8);
-  const auto narrow = EdgePoints(square, centre, points, 2 * CV_PI / 180, 0, 15);
+  const auto narrow = EdgePoints(square, {0, 0}, centre, points, 2 * CV_PI / 180, 0, 15);
   EXPECT_NEAR(narrow[1].x, 140, 1e-9);
   EXPECT_NEAR(narrow[1].y, 80, 40 * std::tan(2 * CV_PI / 180));
 }
@@ -69,14 +69,14 @@ TEST(EdgePoints, AreTheCornersWithinTheConeAndElseItsRim) {
 TEST(EdgePoints, LeaveWhatHasNoSide) {
   const cv::Point2d centre(100, 80);
   const std::vector<cv::Point2d> points = {{114, 80}, centre, {100, 60}};
-  EXPECT_EQ(EdgePoints(Square(40, centre), centre, points, 0.4, 9, 15)[0], points[0]);
-  EXPECT_EQ(EdgePoints(Square(40, centre), centre, points, 0.4, 9, 0)[1], points[1]);
-  EXPECT_EQ(EdgePoints({}, centre, points, 0.4, 9, 15)[2], points[2]);
+  EXPECT_EQ(EdgePoints(Square(40, centre), {0, 0}, centre, points, 0.4, 9, 15)[0], points[0]);
+  EXPECT_EQ(EdgePoints(Square(40, centre), {0, 0}, centre, points, 0.4, 9, 0)[1], points[1]);
+  EXPECT_EQ(EdgePoints({}, {0, 0}, centre, points, 0.4, 9, 15)[2], points[2]);
   // A contour that lies to the right only.
-  EXPECT_EQ(EdgePoints({{140, 79}, {141, 80}, {140, 81}}, centre, points, 0.4, 9, 15)[2],
+  EXPECT_EQ(EdgePoints({{140, 79}, {141, 80}, {140, 81}}, {0, 0}, centre, points, 0.4, 9, 15)[2],
             points[2]);
   // Closer than the inset: no further than the centre.
-  EXPECT_EQ(EdgePoints({{100, 75}}, centre, points, 0.4, 9, 15)[2], centre);
+  EXPECT_EQ(EdgePoints({{90, 70}}, {10, 5}, centre, points, 0.4, 9, 15)[2], centre);
 }
 
 cv::Mat Disc(int radius) {
