@@ -305,8 +305,8 @@ struct World::Impl {
     return depth > 0 ? kTableStiffness_N_m * depth : 0.0;
   }
 
+  // Whether a link is so close to cloth or cube that it may touch them in the next substep.
   bool SomethingNear() const {
-    Vec3f lo, hi;
     const auto& x = cloth.state().x;
     if (bounds_stale) {
       bounds_lo = bounds_hi = x.front();
@@ -317,19 +317,18 @@ struct World::Impl {
       bounds_stale = false;
     }
     const Vec3f near = Vec3f::Constant(static_cast<float>(config.wake_distance_m));
-    lo = bounds_lo - near;
-    hi = bounds_hi + near;
+    const Vec3f lo = bounds_lo - near, hi = bounds_hi + near;
     const Vec3f cube_p = shapes[0].X_WS.translation();
     const Vec3f cube_r =
         Vec3f::Constant(static_cast<float>(0.87 * config.cube_side_m + config.wake_distance_m));
     for (std::size_t s = 1; s < shapes.size(); ++s) {
       const Vec3f p = shapes[s].X_WS.translation();
       const Vec3f r = shapes[s].X_WS.linear().cwiseAbs() * shapes[s].half;
-      const bool cloth_near =
+      const bool in_bounds =
           ((p + r).array() > lo.array()).all() && ((p - r).array() < hi.array()).all();
       const bool cube_near = ((p + r).array() > (cube_p - cube_r).array()).all() &&
                              ((p - r).array() < (cube_p + cube_r).array()).all();
-      if (cloth_near || cube_near) return true;
+      if (cube_near || (in_bounds && cloth.IsNear(shapes[s], near.x()))) return true;
     }
     return false;
   }

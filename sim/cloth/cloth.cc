@@ -433,6 +433,22 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
   }
 }
 
+bool Cloth::IsNear(const RigidShape& shape, float distance_m) const {
+  const Vec3f reach = shape.half + Vec3f::Constant(distance_m + 0.5f * mesh_.thickness_m);
+  const Eigen::Matrix3f R_SW = shape.X_WS.linear().transpose();
+  Vec3Array p_S;
+  p_S.reserve(state_.x.size());
+  for (const Vec3f& p : state_.x) p_S.push_back(R_SW * (p - shape.X_WS.translation()));
+  for (const auto& t : mesh_.triangles) {
+    const Vec3f &a = p_S[t[0]], &b = p_S[t[1]], &c = p_S[t[2]];
+    if ((a.cwiseMin(b).cwiseMin(c).array() <= reach.array()).all() &&
+        (a.cwiseMax(b).cwiseMax(c).array() >= -reach.array()).all()) {
+      return true;
+    }
+  }
+  return false;
+}
+
 float Cloth::MaxSpeed() const {
   float most = 0;
   for (const Vec3f& v : state_.v) {

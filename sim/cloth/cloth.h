@@ -79,6 +79,10 @@ class Cloth {
   /// Force of the cloth on the tool through the hold in the last substep (N).
   const Vec3f& hold_force_N() const { return hold_force_N_; }
 
+  /// Whether cloth may be within distance_m of the shape: boxes in the shape's own axes around each
+  /// triangle and around the shape are that close. Never false for cloth that is.
+  bool IsNear(const RigidShape& shape, float distance_m) const;
+
   float MaxSpeed() const;
   /// Root mean square over all nodes, m/s.
   float RmsSpeed() const;
