@@ -49,9 +49,14 @@ const PosePoint& ChosenPoint(const Observation& seen, int point) {
   return points.at(static_cast<std::size_t>(point));
 }
 
-std::optional<Mouth> MouthOf(const Observation& seen) {
+std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
+                             double table_height_m) {
   if (!seen.lips) return std::nullopt;
-  return Mouth{seen.lips->near.p_W, seen.lips->drawn.p_W};
+  const auto at = [&](double x, double y) {
+    return camera.OntoPlane(seen.opening_centre.px + cv::Point2d(x, y), table_height_m);
+  };
+  const double m2_per_px2 = (at(1, 0) - at(0, 0)).norm() * (at(0, 1) - at(0, 0)).norm();
+  return Mouth{seen.lips->near.p_W, seen.lips->drawn.p_W, seen.A_o * m2_per_px2};
 }
 
 }  // namespace
@@ -109,24 +114,25 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
   const Eigen::Vector3d p_W = ChosenPoint(before_, point).p_W;
   const Eigen::Vector3d along_W = before_.rim ? before_.rim->along_W : Eigen::Vector3d::UnitX();
   const MotionConfig& motion = config_.motion;
+  const double table_m = config_.perception.table_height_m;
+  const std::optional<Mouth> mouth = MouthOf(before_, camera_.model(), table_m);
   return PerformAndLeave(robot_, motion, [&](ToolMotion& tool) {
     switch (before_.state) {
       case State::kFolded:
-        return GraspLift(
-            tool, before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
-            camera_.model().OntoPlane(before_.bag_centroid, config_.perception.table_height_m),
-            parameter, config_.grasp_lift, motion);
+        return GraspLift(tool, before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
+                         camera_.model().OntoPlane(before_.bag_centroid, table_m), parameter,
+                         config_.grasp_lift, motion);
       case State::kUnfolded:
         return ScratchDrag(tool, p_W,
                            before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,
                            along_W, config_.scratch_drag, motion);
       case State::kOpen:
         if (!before_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
-        return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, MouthOf(before_),
-                         config_.pick_place, motion);
+        return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, mouth,
+                         config_.pick_place, config_.scratch_drag, motion);
       case State::kFilled:
-        return CloseCarry(tool, p_W, along_W, MouthOf(before_), config_.close_carry,
-                          config_.scratch_drag, motion);
+        return CloseCarry(tool, p_W, along_W, mouth, config_.close_carry, config_.scratch_drag,
+                          motion);
       default:
         throw std::logic_error("no action is afforded in s4 and s5");
     }

@@ -15,19 +15,40 @@ constexpr double kCentral_m = 0.01;
 constexpr double kClosing_rad = 0;  // the fingers close along world x
 constexpr double kNear_m = 0.03;    // guarded moves begin this far above the table
 
-// Up at from_W, over to high_W, and down to to_W.
+// With what is held at from_W up, over to high_W, and down to to_W; lets go.
 void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, const Vector3d& to_W,
-            double hang_s, const GraspLiftConfig& config, const MotionConfig& motion) {
+            const GraspLiftConfig& config, const MotionConfig& motion) {
   const double height = high_W.z();
   const double tilt = height > config.tilt_above_m ? config.tilt_deg * kDegree : 0;
   tool.Go(At(from_W, std::min(height, motion.approach_m)), config.lift_speed_m_s);
   tool.GoTilted(high_W, kClosing_rad, tilt, config.lift_speed_m_s);
-  tool.Wait(hang_s);
   tool.GoTilted(At(0.5 * (high_W + to_W), 0.6 * height), kClosing_rad, 0.5 * tilt,
                 config.lay_speed_m_s);
   tool.GoTilted(At(to_W, config.release_height_m), kClosing_rad, 0, config.lay_speed_m_s);
   tool.Fingers(config.release_opening_m);
   tool.Go(At(to_W, config.rise_m), config.rise_speed_m_s);
+}
+
+// Finds the bag's edge by feel: tries from outside inwards until something is between the fingers.
+// Returns where. `way`: the way out from the table's middle.
+Vector3d SeizeEdge(ToolMotion& tool, const Vector3d& way, const Press& press,
+                   const GraspLiftConfig& config, const MotionConfig& motion) {
+  const auto at = [&](int probe) {
+    return Within(config.reach_m, way * (config.probe_from_m - probe * config.probe_step_m));
+  };
+  tool.Fingers(config.opening_m);
+  tool.Approach(At(at(0), config.rise_m), kClosing_rad);
+  for (int probe = 0;; ++probe) {
+    tool.Go(At(at(probe), kNear_m), motion.descend_speed_m_s);
+    if (probe + 1 == config.probes) {
+      tool.Seize(At(at(probe), 0), config.opening_m, press);
+      return at(probe);
+    }
+    tool.GoUntilContact(At(at(probe), 0), press.force_N);
+    if (tool.Close()) return at(probe);
+    tool.Fingers(config.opening_m);
+    tool.Go(At(at(probe), kNear_m), motion.descend_speed_m_s);
+  }
 }
 
 // The point within reach_m of the table's middle that is nearest p_W on the way to it from
@@ -53,35 +74,25 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   const Vector3d grasp = Reachable(config.reach_m, p_W, centre_W);
   const Vector3d left(-along.y(), along.x(), 0);
   const Vector3d side = parameter % 2 == 1 ? left : Vector3d(-left);
+  const Press press{config.contact_force_N, config.retries, config.press_factor};
 
   // tau_grasp. A crumpled bag may stand higher than the approach.
   tool.Fingers(config.opening_m);
   tool.Approach(At(grasp, std::max(motion.approach_m, grasp.z() + kNear_m)), kClosing_rad);
   tool.Go(At(grasp, grasp.z() + 0.01), motion.descend_speed_m_s);
-  const Press press{config.contact_force_N, config.retries, config.press_factor};
   tool.Seize(At(grasp, 0), config.opening_m, press);
 
-  // mu_lift, first stroke: hang the bag and lay it along its way.
+  // mu_lift: hang the bag, lay it along its way, ...
   const Vector3d high = Within(config.reach_m, -along * config.trail_m);
   const Vector3d laid = Within(config.reach_m, along * config.lay_m);
-  Stroke(tool, grasp, At(high, config.lift_height_m(parameter)), laid, config.hang_s, config,
-         motion);
+  Stroke(tool, grasp, At(high, config.lift_height_m(parameter)), laid, config, motion);
 
-  // Spread it: to either side, back and forth.
-  const Vector3d beside = along * config.spread_along_m;
-  const auto spread = [&](const Vector3d& start, const Vector3d& way) {
-    const Vector3d from = Within(config.reach_m, start + way * config.spread_from_m);
-    const Vector3d to = Within(config.reach_m, from + way * config.spread_m);
-    tool.Fingers(config.opening_m);
-    tool.Approach(At(from, config.rise_m), kClosing_rad);
-    tool.Go(At(from, kNear_m), motion.descend_speed_m_s);
-    tool.Seize(At(from, 0), config.opening_m, press);
-    Stroke(tool, from, At(0.5 * (from + to), config.spread_height_m), to, 0, config, motion);
-  };
-  spread(beside, side);
-  spread(beside, -side);
-  spread(Vector3d::Zero(), -along);
-  spread(Vector3d::Zero(), along);
+  // ... and pull it flat by its edge: to either side, back and forth.
+  for (const Vector3d& way : {side, Vector3d(-side), Vector3d(-along), along}) {
+    const Vector3d from = SeizeEdge(tool, way, press, config, motion);
+    const Vector3d to = Within(config.reach_m, from + way * config.pull_m);
+    Stroke(tool, from, At(0.5 * (from + to), config.pull_height_m), to, config, motion);
+  }
 }
 
 }  // namespace gusset

@@ -15,18 +15,18 @@ struct GraspLiftConfig {
   double lift_speed_m_s = 0.25;
   double lift_low_m = 0.27;    ///< Height for parameter 0 ...
   double lift_step_m = 0.006;  ///< ... and from one parameter to the next.
-  double hang_s = 0;           ///< The bag hangs there for so long, and unfolds under its weight.
   double tilt_deg = -29;       ///< Of the gripper above tilt_above_m (29 in the authors' code);
                                ///< < 0: the wrist leans away from the base.
   double tilt_above_m = 0.22;
   double trail_m = 0.15;  ///< It is lifted so far beyond the table's middle ...
   double lay_m = 0.17;    ///< ... and laid out to so far on this side of it.
   double lay_speed_m_s = 0.25;
-  double spread_along_m = 0.05;   ///< To spread it: grasped this far along the first stroke ...
-  double spread_from_m = 0.05;    ///< ... and beside it (or behind, or before) and pulled there ...
-  double spread_m = 0.16;         ///< ... so much further ...
-  double spread_height_m = 0.06;  ///< ... at this height.
-  double reach_m = 0.245;         ///< The fingertips stay this close to the table's middle.
+  double probe_from_m = 0.22;   ///< Then its edge is felt for, from so far out ...
+  double probe_step_m = 0.04;   ///< ... inwards in such steps, ...
+  int probes = 6;               ///< ... so many times at most, ...
+  double pull_m = 0.16;         ///< ... and pulled out so far, reach_m permitting, ...
+  double pull_height_m = 0.06;  ///< ... over this height.
+  double reach_m = 0.245;       ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
   double release_opening_m = 0.045;  ///< Half open: wide open, they may stretch a fold they are in.
   double rise_m = 0.08;              ///< After a release, and before the next grasp.
@@ -43,16 +43,16 @@ struct GraspLiftConfig {
     v("lift_speed_m_s", lift_speed_m_s, Range{0.01, 1});
     v("lift_low_m", lift_low_m, Range{0.02, 0.3});
     v("lift_step_m", lift_step_m, Range{0, 0.04});
-    v("hang_s", hang_s, Range{0, 10});
     v("tilt_deg", tilt_deg, Range{-40, 40});
     v("tilt_above_m", tilt_above_m, Range{0.05, 0.5});
     v("trail_m", trail_m, Range{0, 0.25});
     v("lay_m", lay_m, Range{0, 0.25});
     v("lay_speed_m_s", lay_speed_m_s, Range{0.01, 1});
-    v("spread_along_m", spread_along_m, Range{-0.2, 0.2});
-    v("spread_from_m", spread_from_m, Range{0, 0.2});
-    v("spread_m", spread_m, Range{0, 0.4});
-    v("spread_height_m", spread_height_m, Range{0.02, 0.3});
+    v("probe_from_m", probe_from_m, Range{0, 0.25});
+    v("probe_step_m", probe_step_m, Range{0.005, 0.1});
+    v("probes", probes, Range{1, 20});
+    v("pull_m", pull_m, Range{0, 0.4});
+    v("pull_height_m", pull_height_m, Range{0.02, 0.3});
     v("reach_m", reach_m, Range{0.05, 0.25});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
     v("release_opening_m", release_opening_m, Range{0.01, 0.085});
@@ -64,9 +64,9 @@ struct GraspLiftConfig {
 /// Unfolds in five strokes. The first grasps the bag at p_W, or as near it as the arm reaches,
 /// lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and beyond, so
 /// that it hangs and unfolds under its weight, and lays it across the middle: its far end comes
-/// down first and table friction holds it. The others pull outwards what lies on either side of
-/// that line (first on the left for odd parameters, on the right for even ones), at its far end and
-/// at its near one.
+/// down first and table friction holds it. The others pull it flat by its edges, which they find by
+/// feel: on either side of that line (first on the left for odd parameters, on the right for even
+/// ones), at its far end and at its near one.
 /// @param p_W a point at the bag's edge: held there it unfolds, held in the middle it does not.
 /// @param centre_W the bag's centre as seen: the first stroke goes from it to p_W, but through the
 ///   table's middle, so that the bag does not wander out of sight.

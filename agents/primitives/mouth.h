@@ -8,6 +8,7 @@ namespace gusset {
 struct Mouth {
   Eigen::Vector3d near_W;   ///< The lip at the rim.
   Eigen::Vector3d drawn_W;  ///< The lip drawn back onto the body.
+  double area_m2 = 0;       ///< Of the opening between them, as Algorithm 7 sees it.
 
   /// From the drawn lip to the near one; horizontal.
   Eigen::Vector3d Apart_W() const {

@@ -3,9 +3,32 @@
 #include <algorithm>
 
 namespace gusset {
+namespace {
+
+// An opening too small for the cube: a slit between lips that lie nearly on each other, which one
+// of them drawn back widens, or a corner of the bag folded over, which is laid back.
+void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
+          const ScratchDragConfig& scratch, const MotionConfig& motion) {
+  const Eigen::Vector3d outward = mouth.Outward_W(), apart = mouth.Apart_W();
+  const Eigen::Vector3d along(-outward.y(), outward.x(), 0);
+  if (apart.norm() < config.folded_m) {
+    const Eigen::Vector3d grasp = mouth.drawn_W - config.grasp_inset_m * outward;
+    ScratchDrag(tool, grasp, grasp - config.widen_m * outward, along, scratch, motion);
+  } else {
+    const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * outward;
+    ScratchDrag(tool, grasp, grasp + apart + config.over_m * outward, along, scratch, motion);
+  }
+}
+
+}  // namespace
+
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const MotionConfig& motion) {
+               const PickPlaceConfig& config, const ScratchDragConfig& scratch,
+               const MotionConfig& motion) {
+  if (mouth && mouth->Apart_W().norm() > 0 && mouth->area_m2 < config.room_m2) {
+    return Mend(tool, *mouth, config, scratch, motion);
+  }
   // Never below 5 mm: the fingertips would press on the table.
   const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);
 

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "agents/primitives/mouth.h"
+#include "agents/primitives/scratch_drag.h"
 #include "agents/primitives/tool_motion.h"
 
 namespace gusset {
@@ -10,18 +11,29 @@ namespace gusset {
 /// tau_pick and mu_place, the pair of s2. Section [primitives.pick_place]. Heights are those of the
 /// fingertips; all tuned.
 struct PickPlaceConfig {
-  double below_centre_m = 0.006;     ///< Fingertips this far below the cube's centre.
-  double held_opening_m = 0.015;     ///< Fingers that close further than this hold nothing.
-  double carry_height_m = 0.12;      ///< Over everything on the table.
-  double lip_inset_m = 0.022;        ///< The cube comes down so far inside the mouth's near lip ...
-  double slide_height_m = 0.006;     ///< ... and slides to its place so high above the table ...
-  double slide_force_N = 10;         ///< ... or until it meets this.
+  double room_m2 = 0.0045;        ///< A smaller opening has no room for the cube (1,500 px^2 of
+                                  ///< Bag 1 lost it every time): the mouth is mended instead.
+  double folded_m = 0.06;         ///< There, lips farther apart are a corner that is folded over.
+  double grasp_inset_m = 0.02;    ///< How far from its edge the drawn lip is grasped then.
+  double widen_m = 0.15;          ///< How far it is drawn back, or ...
+  double over_m = 0.01;           ///< ... beyond the near lip it is laid, if it was folded over.
+  double below_centre_m = 0.006;  ///< Fingertips this far below the cube's centre.
+  double held_opening_m = 0.015;  ///< Fingers that close further than this hold nothing.
+  double carry_height_m = 0.12;   ///< Over everything on the table.
+  double lip_inset_m = 0.022;     ///< The cube comes down so far inside the mouth's near lip ...
+  double slide_height_m = 0.006;  ///< ... and slides to its place so high above the table ...
+  double slide_force_N = 10;      ///< ... or until it meets this.
   double release_opening_m = 0.055;  ///< Enough for a 35 mm cube, without reaching the cloth.
   double lower_speed_m_s = 0.10;
   double rise_speed_m_s = 0.10;
 
   template <class V>
   void Fields(V& v) {
+    v("room_m2", room_m2, Range{0, 0.1});
+    v("folded_m", folded_m, Range{0, 1});
+    v("grasp_inset_m", grasp_inset_m, Range{0, 0.05});
+    v("widen_m", widen_m, Range{0, 0.3});
+    v("over_m", over_m, Range{-0.05, 0.1});
     v("below_centre_m", below_centre_m, Range{-0.02, 0.03});
     v("held_opening_m", held_opening_m, Range{0, 0.08});
     v("carry_height_m", carry_height_m, Range{0.05, 0.3});
@@ -40,6 +52,7 @@ struct PickPlaceConfig {
 /// @param mouth  none if its lips are not seen apart: then the cube comes down at place_W.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const MotionConfig& motion);
+               const PickPlaceConfig& config, const ScratchDragConfig& scratch,
+               const MotionConfig& motion);
 
 }  // namespace gusset

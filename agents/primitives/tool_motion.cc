@@ -83,11 +83,13 @@ Eigen::Vector3d ToolMotion::Seize(const Eigen::Vector3d& lowest_W, double openin
   double force_N = press.force_N;
   for (int retry = 0;; ++retry) {
     const Eigen::Vector3d touched_W = GoUntilContact(lowest_W, force_N);
-    if (Fingers(0) > kEmpty_m || retry == press.retries) return touched_W;
+    if (Close() || retry == press.retries) return touched_W;
     Fingers(opening_m);
     force_N *= press.factor;
   }
 }
+
+bool ToolMotion::Close() { return Fingers(0) > kEmpty_m; }
 
 double ToolMotion::Fingers(double opening_m) {
   return robot_.MoveGripper(opening_m, config_.finger_speed_m_s, config_.grip_force_N);

@@ -89,6 +89,8 @@ class ToolMotion {
   /// Straight to lowest_W until the press is felt, then closes; while the pads stay empty, opens
   /// and tries again, harder. @returns where the fingers closed.
   Eigen::Vector3d Seize(const Eigen::Vector3d& lowest_W, double opening_m, const Press& press);
+  /// Closes the fingers. @returns whether something is between them.
+  bool Close();
   /// Fingers to opening_m (0: closed). @returns the opening reached.
   double Fingers(double opening_m);
   /// As wide as they go. @returns the opening reached.

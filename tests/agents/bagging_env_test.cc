@@ -122,7 +122,7 @@ TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoi
   }
 }
 
-TEST_F(BaggingEnvTest, GraspLiftSpreadsToTheLeftFirstForOddParametersThenRightBackAndForth) {
+TEST_F(BaggingEnvTest, GraspLiftPullsToTheLeftFirstForOddParametersThenRightBackAndForth) {
   for (const int parameter : {0, 1}) {
     (void)Act(0, 0 * 9 + parameter, 1);
     // Five strokes of four moves: up, over, half way down, laid.
@@ -162,20 +162,41 @@ TEST_F(BaggingEnvTest, GraspLiftTakesWhatIsOutOfReachNearerTheBagsCentre) {
 }
 
 TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) {
-  for (const bool empty : {false, true}) {
-    rig_.cube_between_fingers = !empty;  // whatever it is: the pads do not meet
-    const Outcome outcome = Act(0, 0, 1);
-    EXPECT_EQ(outcome.log["note"], "");
-    std::vector<double> forces;
-    for (const Move& move : rig_.moves) {
-      if (move.kind == Move::kUntilContact) forces.push_back(move.value);
-    }
-    const auto each = static_cast<std::size_t>(empty ? 1 + config_.grasp_lift.retries : 1);
-    ASSERT_EQ(forces.size(), 5 * each) << "five grasps";
-    for (std::size_t k = 1; k < each; ++k) {
-      EXPECT_NEAR(forces[k] / forces[k - 1], config_.grasp_lift.press_factor, 1e-12);
-    }
-    EXPECT_EQ(forces[each], config_.grasp_lift.contact_force_N);
+  rig_.cube_between_fingers = false;
+  EXPECT_EQ(Act(0, 0, 1).log["note"], "");
+  std::vector<double> forces;
+  for (const Move& move : rig_.moves) {
+    if (move.kind == Move::kUntilContact) forces.push_back(move.value);
+  }
+  // The first grasp, then four edges: every probe lightly but for the last, which presses harder.
+  const GraspLiftConfig& config = config_.grasp_lift;
+  const auto tries = static_cast<std::size_t>(1 + config.retries);
+  const auto probes = static_cast<std::size_t>(config.probes);
+  ASSERT_EQ(forces.size(), tries + 4 * (probes - 1 + tries));
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    const std::size_t edge = k < tries ? 0 : (k - tries) % (probes - 1 + tries);
+    const std::size_t harder = k < tries ? k : edge < probes ? 0 : edge - (probes - 1);
+    EXPECT_NEAR(forces[k], config.contact_force_N * std::pow(config.press_factor, harder), 1e-12);
+  }
+}
+
+TEST_F(BaggingEnvTest, GraspLiftFeelsForTheEdgeFromOutsideInwards) {
+  const GraspLiftConfig& config = config_.grasp_lift;
+  rig_.nothing_beyond_m = config.probe_from_m - 1.5 * config.probe_step_m;
+  rig_.contact_height_m = 0.001;
+  (void)Act(0, 4 * 9, 1);
+  // Where the fingers closed, from the second grasp on: three times on the way in, to each side.
+  std::vector<Eigen::Vector2d> closed;
+  for (const Move& move : rig_.moves) {
+    if (move.kind != Move::kFingers || move.value != 0) continue;
+    closed.push_back(move.X_WT.translation().head<2>());
+  }
+  ASSERT_EQ(closed.size(), 1 + 4 * 3u);
+  for (std::size_t k = 1; k < closed.size(); ++k) {
+    const double probe = static_cast<double>((k - 1) % 3);
+    EXPECT_NEAR(closed[k].norm(), config.probe_from_m - probe * config.probe_step_m, 1e-9);
+    const std::size_t first = k - (k - 1) % 3;
+    EXPECT_NEAR(closed[k].normalized().dot(closed[first].normalized()), 1, 1e-9);
   }
 }
 
@@ -238,6 +259,38 @@ TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
     EXPECT_NEAR((down - place).norm(), (down - place).dot(outward), 1e-9);
     EXPECT_NEAR(slide->X_WT.linear().col(0).head<2>().dot(outward), 0, 1e-9);
   }
+}
+
+TEST_F(BaggingEnvTest, PickPlaceWidensASlitAndLeavesTheCubeWhereItIs) {
+  config_.pick_place.room_m2 = 0.1;  // any opening is too small ...
+  config_.pick_place.folded_m = 1;   // ... and a slit
+  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+  (void)env.Begin("2", 5);
+  (void)env.Act(5);
+  const Lips& lips = *env.before().lips;
+  const Eigen::Vector2d drawn = lips.drawn.p_W.head<2>();
+  const Eigen::Vector2d outward = (lips.near.p_W.head<2>() - drawn).normalized();
+  const std::vector<Eigen::Vector3d> path = HeldPath();
+  const double inset = config_.pick_place.grasp_inset_m, widen = config_.pick_place.widen_m;
+  EXPECT_NEAR((path.front().head<2>() - (drawn - inset * outward)).norm(), 0, 1e-9);
+  EXPECT_NEAR((path.back().head<2>() - (drawn - (inset + widen) * outward)).norm(), 0, 1e-9);
+  for (const Eigen::Vector3d& p : Path()) {
+    EXPECT_GT((p - env.before().cube->p_W).head<2>().norm(), 0.1);
+  }
+}
+
+TEST_F(BaggingEnvTest, PickPlaceLaysACornerBackThatIsFoldedOver) {
+  config_.pick_place.room_m2 = 0.1;
+  config_.pick_place.folded_m = 0;
+  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+  (void)env.Begin("2", 5);
+  (void)env.Act(5);
+  const Lips& lips = *env.before().lips;
+  const Eigen::Vector2d near = lips.near.p_W.head<2>();
+  const Eigen::Vector2d outward = (near - lips.drawn.p_W.head<2>()).normalized();
+  const Eigen::Vector2d laid = HeldPath().back().head<2>();
+  EXPECT_NEAR((laid - near).dot(outward),
+              config_.pick_place.grasp_inset_m + config_.pick_place.over_m, 1e-9);
 }
 
 TEST_F(BaggingEnvTest, NothingBetweenTheFingersIsNotCarried) {
@@ -369,7 +422,7 @@ TEST(BaggingConfig, WhatIsWrittenReadsBack) {
   ConfigTree tree;
   tree.Parse("[thresholds]\nA_oth = 701\n[thresholds_published]\nA_oth = 150\n", "bag.toml");
   tree.Set("thresholds.source=published");
-  tree.Set("primitives.grasp_lift.hang_s=1.5");
+  tree.Set("primitives.grasp_lift.pull_m=0.1");
   BaggingConfig config;
   config.Read(tree);
   EXPECT_NO_THROW(tree.RefuseUnknown());
@@ -383,7 +436,7 @@ TEST(BaggingConfig, WhatIsWrittenReadsBack) {
   EXPECT_NO_THROW(again.RefuseUnknown());
   EXPECT_EQ(back.chosen_thresholds().A_oth, 150);
   EXPECT_EQ(back.thresholds.gusset.A_oth, 701);
-  EXPECT_EQ(back.grasp_lift.hang_s, 1.5);
+  EXPECT_EQ(back.grasp_lift.pull_m, 0.1);
   std::string text_again;
   back.AppendTo(text_again);
   EXPECT_EQ(text, text_again);

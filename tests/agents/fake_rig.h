@@ -26,8 +26,9 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   int next = 0;
   int refuse_at = -1;  ///< Index of the move (fingers not counted) that is refused ...
   MoveEnd refusal = MoveEnd::kUnreachable;
-  bool cube_between_fingers = true;
-  double contact_height_m = -1;  ///< Guarded moves stop here, if they reach that far down.
+  bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
+  double nothing_beyond_m = 1e9;     ///< ... unless they are so far from the table's middle.
+  double contact_height_m = -1;      ///< Guarded moves stop here, if they reach that far down.
   Truth truth;
   std::vector<Move> moves;
   std::uint64_t sensor_seed = 0;
@@ -77,7 +78,9 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   double MoveGripper(double opening_m, double, double) override {
     moves.push_back({Move::kFingers, X_WT_, opening_m});
     time_s_ += 0.5;
-    return opening_m == 0 && cube_between_fingers ? 0.035 : opening_m;
+    const bool between =
+        cube_between_fingers && X_WT_.translation().head<2>().norm() <= nothing_beyond_m;
+    return opening_m == 0 && between ? 0.035 : opening_m;
   }
   void Wait(double seconds) override { time_s_ += seconds; }
   RobotReading Read() override { return {{}, {}, X_WT_, 0, 0}; }
