@@ -13,7 +13,8 @@ namespace gusset {
 /// time.
 ///
 /// Links keep their order as far as that allows, so a sweep carries a load
-/// along a row of yarn as far as link-by-link sweeping does.
+/// along a row of yarn as far as link-by-link sweeping does. What shares no node
+/// may be reordered without changing a bit.
 class LinkSolver {
  public:
   LinkSolver(const std::vector<ClothLink>& links, const std::vector<float>& inv_mass);
@@ -33,16 +34,19 @@ class LinkSolver {
   };
   /// @param set per lane: elongation (m) that friction holds to; updated where the sweep pushes.
   void Solve(const Sweep& sweep, std::vector<float>& set, Vec4Array& x) const;
-  std::size_t lane_count() const { return 4 * packets_.size(); }
+  std::size_t lane_count() const { return lane_count_; }
 
  private:
   struct Packet {
     std::array<std::uint16_t, 4> a, b;
     Float4 rest, inv_mass_a, inv_mass_b;
+    std::array<int, 4> lane;  ///< Index into a sweep's `set`.
   };
-  void Solve(const Packet& p, const Sweep& sweep, float* set, Vec4Array& x) const;
+  struct Compliances;
+  void Solve(const Packet& p, const Compliances& with, float* set, Vec4Array& x) const;
 
   std::vector<Packet> packets_;
+  std::size_t lane_count_ = 0;
 };
 
 }  // namespace gusset

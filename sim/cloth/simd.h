@@ -21,6 +21,7 @@ struct Float4 {
   Float4() : v(_mm_setzero_ps()) {}
   Float4(__m128 lanes) : v(lanes) {}
   Float4(float all) : v(_mm_set1_ps(all)) {}
+  Float4(float a, float b, float c, float d) : v(_mm_setr_ps(a, b, c, d)) {}
   static Float4 Load(const float* aligned) { return _mm_load_ps(aligned); }
   void Store(float* aligned) const { _mm_store_ps(aligned, v); }
 };
@@ -47,6 +48,12 @@ inline Float4 Select(Float4 mask, Float4 a, Float4 b) {
 }
 /// Bit k: lane k of a mask.
 inline int Bits(Float4 mask) { return _mm_movemask_ps(mask.v); }
+
+/// Lane k in all lanes.
+template <int k>
+Float4 Lane(Float4 a) {
+  return _mm_shuffle_ps(a.v, a.v, k * 0x55);
+}
 
 /// Sum of the first three lanes.
 inline float Sum3(Float4 a) {
