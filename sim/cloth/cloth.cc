@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "base/error.h"
+#include "sim/cloth/packing.h"
 
 namespace gusset {
 namespace {
@@ -38,6 +39,10 @@ std::vector<float> Inverse(const std::vector<float>& mass) {
   for (const float m : mass) inverse.push_back(1.0f / m);
   return inverse;
 }
+
+Float4 Load(const Vec4f& v) { return Float4::Load(v.data()); }
+
+void Add(Vec4f& to, Float4 what) { (Load(to) + what).Store(to.data()); }
 
 Vec4Array Widen(const Vec3Array& a) {
   Vec4Array wide;
@@ -94,6 +99,7 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
   SetState(std::move(flat));
   air_.assign(mesh_.rest.size(), Vec4f::Zero());
   bend_force_ = ahead_ = air_;
+  PackBends();
   for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, 0, 0}, {1, 0, 0}, 1});
   for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], 0}, {0.5f, 0.5f, 0}, 2});
   for (const auto& t : mesh_.triangles) {
@@ -120,6 +126,31 @@ void Cloth::SetState(ClothState state) {
   candidates_.clear();
 }
 
+void Cloth::PackBends() {
+  std::vector<std::array<int, 3>> nodes;
+  for (const ClothBend& b : mesh_.bends) nodes.push_back({b.a, b.mid, b.c});
+  for (const std::array<int, 4>& four : PackFours(nodes, mesh_.rest.size())) {
+    alignas(16) float stiffness[4] = {}, friction_spring[4] = {}, most[4] = {};
+    BendPacket packet{};
+    for (int k = 0; k < 4; ++k) {
+      // An empty lane computes what the first one does.
+      packet.bend[k] = four[k] < 0 ? four[0] : four[k];
+      packet.count += four[k] >= 0;
+      const ClothBend& b = mesh_.bends[packet.bend[k]];
+      packet.node[0][k] = static_cast<std::uint16_t>(b.a);
+      packet.node[1][k] = static_cast<std::uint16_t>(b.mid);
+      packet.node[2][k] = static_cast<std::uint16_t>(b.c);
+      stiffness[k] = b.stiffness_N_m;
+      friction_spring[k] = kFrictionSpring * b.stiffness_N_m;
+      most[k] = b.friction_N / friction_spring[k];
+    }
+    packet.stiffness = Float4::Load(stiffness);
+    packet.friction_spring = Float4::Load(friction_spring);
+    packet.most = Float4::Load(most);
+    bend_packets_.push_back(packet);
+  }
+}
+
 void Cloth::ApplyBending(float h) {
   // Energy k/2 |a - 2 mid + c|^2 per row of three (see MakeBagMesh), damped in
   // proportion. Beside it yarns rub on yarns: a spring on the second difference's length that slips
@@ -130,40 +161,77 @@ void Cloth::ApplyBending(float h) {
   // Where the nodes would be a damping time later: its second difference holds
   // both parts.
   for (std::size_t i = 0; i < x_.size(); ++i) ahead_[i] = x_[i] + damping * v_[i];
-  for (std::size_t i = 0; i < mesh_.bends.size(); ++i) {
-    const ClothBend& b = mesh_.bends[i];
-    Vec4f f = b.stiffness_N_m * (ahead_[b.a] - 2 * ahead_[b.mid] + ahead_[b.c]);
-    const Vec4f d = x_[b.a] - 2 * x_[b.mid] + x_[b.c];
-    const float bent = d.norm();
-    const float most = b.friction_N / (kFrictionSpring * b.stiffness_N_m);
-    float& set = state_.bend_set[i];
-    set = std::clamp(set, bent - most, bent + most);
-    f += d * (kFrictionSpring * b.stiffness_N_m * (bent - set) / (bent + kFlat_m));
-    bend_force_[b.a] -= f;
-    bend_force_[b.mid] += 2 * f;
-    bend_force_[b.c] -= f;
+  float* set = state_.bend_set.data();
+  for (const BendPacket& p : bend_packets_) {
+    const auto& [a, mid, c] = p.node;
+    Float4 later[4], now[4];
+    for (int k = 0; k < 4; ++k) {
+      later[k] = Load(ahead_[a[k]]) - Load(ahead_[mid[k]]) * 2.0f + Load(ahead_[c[k]]);
+      now[k] = Load(x_[a[k]]) - Load(x_[mid[k]]) * 2.0f + Load(x_[c[k]]);
+    }
+    Vec3x4 d = {now[0], now[1], now[2]};
+    Float4 fourth = now[3];
+    Transpose(d.x, d.y, d.z, fourth);
+    const Float4 bent = Sqrt((d.x * d.x + d.z * d.z) + d.y * d.y);
+    const Float4 was(set[p.bend[0]], set[p.bend[1]], set[p.bend[2]], set[p.bend[3]]);
+    const Float4 held = Min(Max(was, bent - p.most), bent + p.most);
+    alignas(16) float is[4];
+    held.Store(is);
+    for (int k = 0; k < 4; ++k) set[p.bend[k]] = is[k];
+    const Float4 rubs = p.friction_spring * (bent - held) / (bent + kFlat_m);
+    const Float4 stiffness[4] = {Lane<0>(p.stiffness), Lane<1>(p.stiffness), Lane<2>(p.stiffness),
+                                 Lane<3>(p.stiffness)};
+    const Float4 rub[4] = {Lane<0>(rubs), Lane<1>(rubs), Lane<2>(rubs), Lane<3>(rubs)};
+    for (int k = 0; k < p.count; ++k) {
+      const Float4 f = stiffness[k] * later[k] + now[k] * rub[k];
+      Add(bend_force_[a[k]], Float4() - f);
+      Add(bend_force_[mid[k]], f * 2.0f);
+      Add(bend_force_[c[k]], Float4() - f);
+    }
   }
   for (std::size_t i = 0; i < x_.size(); ++i) v_[i] += bend_force_[i] * (h * inv_mass_[i]);
 }
 
-void Cloth::ApplyAir(float h) {
+void Cloth::MeasureAir() {
   // Pressure drag of each face, 1/2 rho C v_n^2 A along its normal. A bag's two
   // layers share the flow, so each takes half.
-  if (since_air_ == 0) {
-    for (Vec4f& f : air_) f.setZero();
-    const float c = 0.5f * kAirDensity_kg_m3 * static_cast<float>(bag_.drag_coefficient) /
-                    static_cast<float>(mesh_.layers);
-    for (const auto& t : mesh_.triangles) {
-      const Vec4f &a = x_[t[0]], &b = x_[t[1]], &d = x_[t[2]];
-      const Vec4f twice = (b - a).cross3(d - a);
-      const float twice_area = twice.norm();
-      if (twice_area < 1e-12f) continue;
-      const Vec4f v = (v_[t[0]] + v_[t[1]] + v_[t[2]]) / 3.0f;
-      const float along = v.dot(twice) / twice_area;
-      const Vec4f f = twice * (-c * 0.5f * along * std::abs(along) / 3.0f);
-      for (const int n : t) air_[n] += f;
+  for (Vec4f& f : air_) f.setZero();
+  const float c = 0.5f * kAirDensity_kg_m3 * static_cast<float>(bag_.drag_coefficient) /
+                  static_cast<float>(mesh_.layers);
+  const std::size_t count = mesh_.triangles.size();
+  for (std::size_t i = 0; i < count; i += 4) {
+    const std::array<const std::array<int, 3>*, 4> t = {
+        &mesh_.triangles[i], &mesh_.triangles[std::min(i + 1, count - 1)],
+        &mesh_.triangles[std::min(i + 2, count - 1)], &mesh_.triangles[std::min(i + 3, count - 1)]};
+    Float4 ab[4], ad[4], sum[4];
+    for (int k = 0; k < 4; ++k) {
+      const auto& [n0, n1, n2] = *t[k];
+      const Float4 a = Load(x_[n0]);
+      ab[k] = Load(x_[n1]) - a;
+      ad[k] = Load(x_[n2]) - a;
+      sum[k] = Load(v_[n0]) + Load(v_[n1]) + Load(v_[n2]);
+    }
+    Transpose(ab[0], ab[1], ab[2], ab[3]);
+    Transpose(ad[0], ad[1], ad[2], ad[3]);
+    Transpose(sum[0], sum[1], sum[2], sum[3]);
+    const Vec3x4 twice = {ab[1] * ad[2] - ab[2] * ad[1], ab[2] * ad[0] - ab[0] * ad[2],
+                          ab[0] * ad[1] - ab[1] * ad[0]};
+    const Float4 twice_area = Sqrt((twice.x * twice.x + twice.z * twice.z) + twice.y * twice.y);
+    const Vec3x4 v = {sum[0] / 3.0f, sum[1] / 3.0f, sum[2] / 3.0f};
+    const Float4 along = ((v.x * twice.x + v.z * twice.z) + v.y * twice.y) / twice_area;
+    const Float4 push = Float4(-c * 0.5f) * along * Abs(along) / 3.0f;
+    Float4 f[4] = {twice.x * push, twice.y * push, twice.z * push, Float4()};
+    Transpose(f[0], f[1], f[2], f[3]);
+    const int flat = Bits(twice_area < Float4(1e-12f));
+    for (std::size_t k = 0; k < std::min<std::size_t>(4, count - i); ++k) {
+      if (flat >> k & 1) continue;
+      for (const int n : *t[k]) Add(air_[n], f[k]);
     }
   }
+}
+
+void Cloth::ApplyAir(float h) {
+  if (since_air_ == 0) MeasureAir();
   since_air_ = (since_air_ + 1) % kAirEvery;
   for (std::size_t i = 0; i < v_.size(); ++i) {
     // Never more than stops the node: the force is a few substeps old.

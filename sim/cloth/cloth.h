@@ -92,15 +92,24 @@ class Cloth {
   bool gravity_on = true;
 
  private:
-  struct Sample {  ///< A point of the cloth that rigid shapes are tested
-                   ///< against.
+  struct Sample {  ///< A point of the cloth that rigid shapes are tested against.
     std::array<int, 3> node;
     std::array<float, 3> weight;
     int count;
   };
 
+  /// Four bends that share no node, side by side.
+  struct BendPacket {
+    std::array<std::array<std::uint16_t, 4>, 3> node;  ///< [a, mid, c][lane]
+    std::array<int, 4> bend;                           ///< Index into the mesh's bends.
+    int count;
+    Float4 stiffness, friction_spring, most;
+  };
+
   Vec3f At(std::size_t node) const { return x_[node].head<3>(); }
+  void PackBends();
   void ApplyBending(float h);
+  void MeasureAir();
   void ApplyAir(float h);
   void SolveLinks(float h, bool forward, bool first);
   void SolveTable();
@@ -119,6 +128,7 @@ class Cloth {
   Vec4Array x_, x_prev_, v_;  ///< Of the substep under way.
   std::vector<float> inv_mass_;
   LinkSolver stretch_, shear_;
+  std::vector<BendPacket> bend_packets_;
   std::vector<Sample> samples_;
   float sample_area_m2_ = 0;
   std::vector<std::vector<int>> candidates_;
