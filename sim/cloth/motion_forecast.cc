@@ -54,26 +54,58 @@ void MotionForecast::Start(const Setting& setting, const Vec4Array& x, const Vec
     way_[i] = (v[i] - mean) * setting.horizon_s;
     way_[i][3] = setting.base_m + setting.speed_share * way_[i].norm() + learnt_m_[i];
   }
+  off_.resize((x.size() + 3) / 4 * 4);
+  margin2_.resize(off_.size());
+  for (std::size_t i = 0; i < margin2_.size(); ++i) {
+    const float margin = way_[std::min(i, x.size() - 1)][3];
+    margin2_[i] = margin * margin;
+  }
 }
 
-float MotionForecast::WorstError(const Vec4Array& x) const {
-  if (!valid_) return std::numeric_limits<float>::infinity();
-  const Vec4f mean = MeanError(x);
+// What is left of an error once the mean of all is taken off, as a share of the margin.
+float MotionForecast::Worst(const Vec4f& mean) const {
   Float4 worst;
-  const Float4 mx = mean[0], my = mean[1], mz = mean[2], p = Progress();
-  const int count = static_cast<int>(x.size());
-  for (int i = 0; i < count; i += 4) {
-    const int j = std::min(i + 1, count - 1), k = std::min(i + 2, count - 1),
-              l = std::min(i + 3, count - 1);
-    Float4 margin;
-    const Vec3x4 way = Gather(way_.data(), i, j, k, l, &margin);
-    const Vec3x4 off = Gather(x.data(), i, j, k, l) - Gather(start_.data(), i, j, k, l) - way * p -
-                       Vec3x4{mx, my, mz};
-    worst = Max(worst, Dot(off, off) / (margin * margin));
+  const Vec3x4 common = {mean[0], mean[1], mean[2]};
+  for (std::size_t i = 0; i < off_.size(); i += 4) {
+    const int k = static_cast<int>(i);
+    const Vec3x4 off = Gather(off_.data(), k, k + 1, k + 2, k + 3) - common;
+    worst = Max(worst, Dot(off, off) / Loadu(&margin2_[i]));
   }
   alignas(16) float lane[4];
   worst.Store(lane);
   return std::sqrt(std::max(std::max(lane[0], lane[1]), std::max(lane[2], lane[3])));
+}
+
+std::array<float, 2> MotionForecast::WorstErrors(MotionForecast& first, MotionForecast& second,
+                                                 const Vec4Array& x) {
+  if (!first.valid_ || !second.valid_) {
+    const float none = std::numeric_limits<float>::infinity();
+    return {none, none};
+  }
+  const std::size_t count = x.size();
+  const Float4 part_1 = first.Progress(), part_2 = second.Progress();
+  Float4 sum_1, sum_2;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto error = [&](MotionForecast& of, Float4 part) {
+      const Float4 off = Float4::Load(x[i].data()) - Float4::Load(of.start_[i].data()) -
+                         Float4::Load(of.way_[i].data()) * part;
+      off.Store(of.off_[i].data());
+      return off;
+    };
+    sum_1 = sum_1 + error(first, part_1);
+    sum_2 = sum_2 + error(second, part_2);
+  }
+  std::array<float, 2> worst;
+  for (int k = 0; k < 2; ++k) {
+    MotionForecast& of = k == 0 ? first : second;
+    // Whole fours: the last node once more.
+    for (std::size_t i = count; i < of.off_.size(); ++i) of.off_[i] = of.off_[count - 1];
+    Vec4f mean;
+    (k == 0 ? sum_1 : sum_2).Store(mean.data());
+    mean /= static_cast<float>(count);
+    worst[k] = of.Worst(mean);
+  }
+  return worst;
 }
 
 }  // namespace gusset

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "sim/cloth/simd.h"
@@ -30,9 +31,11 @@ class MotionForecast {
   void Age(float h) { age_s_ += h; }
   /// Also forgets what margins have learnt.
   void Invalidate() { valid_ = false; }
-  /// Largest error of the forecast at x as a share of the node's margin; above
-  /// 1, or without a forecast (infinity), nothing can be relied on.
-  float WorstError(const Vec4Array& x) const;
+  /// Largest errors of two forecasts at x as shares of the nodes' margins; above
+  /// 1, or without both forecasts (infinity), nothing can be relied on. Two at a time, for their
+  /// sums over all nodes do not wait for each other.
+  static std::array<float, 2> WorstErrors(MotionForecast& first, MotionForecast& second,
+                                          const Vec4Array& x);
 
   const Vec4Array& start() const { return start_; }
   /// Whole way to the horizon, less the mean of all nodes; fourth lane: the
@@ -45,12 +48,16 @@ class MotionForecast {
   /// of what all are off by.
   float Progress() const;
   Vec4f MeanError(const Vec4Array& x) const;
+  float Worst(const Vec4f& mean) const;
 
   bool valid_ = false;
   float age_s_ = 0;
   float horizon_s_ = 0;
   Vec4Array start_, way_;
   std::vector<float> learnt_m_;
+  // Whole fours.
+  Vec4Array off_;               ///< Scratch: what nodes are off by.
+  std::vector<float> margin2_;  ///< Margins, squared.
 };
 
 }  // namespace gusset

@@ -14,6 +14,7 @@ namespace {
 // (docs/physics.md).
 constexpr MotionForecast::Setting kFar = {0.015f, 0.001f, 0.3f, 0.004f};
 constexpr MotionForecast::Setting kNear = {0.007f, 0.0003f, 0.2f, 0.0012f};
+constexpr int kFarError = 0, kNearError = 1;
 constexpr float kTrust = 0.8f;  // share of a margin after which a forecast is made anew
 // A plane that has turned until it separates by less than this share of the gap
 // is placed anew.
@@ -37,6 +38,7 @@ SelfContact::SelfContact(const ClothMesh& mesh, float friction)
     : mesh_(mesh), thickness_m_(mesh.thickness_m), friction_(friction), pair_search_(mesh) {}
 
 void SelfContact::Invalidate() {
+  errors_known_ = false;
   far_.Invalidate();
   near_.Invalidate();
 }
@@ -254,10 +256,12 @@ void SelfContact::Measure(const Vec4Array& x) {
 }
 
 void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float separation_m) {
-  if (far_.WorstError(x) > kTrust) {
+  if (!errors_known_) errors_ = MotionForecast::WorstErrors(far_, near_, x);
+  errors_known_ = false;
+  if (errors_[kFarError] > kTrust) {
     Search(x, v);
     Select(x, v);
-  } else if (near_.WorstError(x) > kTrust) {
+  } else if (errors_[kNearError] > kTrust) {
     Select(x, v);
   } else {
     Measure(x);
@@ -470,11 +474,15 @@ void SelfContact::Enforce(const Vec4Array& x_prev, const std::vector<float>& inv
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     // The contacts are all there is to watch while the nodes keep to the
     // forecasts.
-    const bool lost = far_.WorstError(x) > 1.0f;
-    if (lost || near_.WorstError(x) > 1.0f) SearchAlong(x_prev, x, h, lost);
+    if (!errors_known_) errors_ = MotionForecast::WorstErrors(far_, near_, x);
+    const bool lost = errors_[kFarError] > 1.0f;
+    errors_known_ = !lost && errors_[kNearError] <= 1.0f;
+    if (!errors_known_) SearchAlong(x_prev, x, h, lost);
     if (!FindViolated(x)) return;
     if (!PushApart(inv_mass, x)) MoveAsZones(x_prev, inv_mass, floor_m, x);
-    if (far_.WorstError(x) <= 1.0f && near_.WorstError(x) <= 1.0f) return;
+    errors_ = MotionForecast::WorstErrors(far_, near_, x);
+    errors_known_ = true;
+    if (errors_[kFarError] <= 1.0f && errors_[kNearError] <= 1.0f) return;
   }
   // Corrections keep leading to new pairs: the whole cloth as one piece cannot
   // meet itself.

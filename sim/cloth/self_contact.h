@@ -34,7 +34,8 @@ class SelfContact {
 
   /// Forgets all pairs; the next substep searches anew.
   void Invalidate();
-  /// Start of a substep of h seconds at x, with velocities v so far.
+  /// Start of a substep of h seconds at x, where Enforce left it unless Invalidate was called
+  /// since, with velocities v so far.
   void Prepare(const Vec4Array& x, const Vec4Array& v, float h, float separation_m);
   /// One Gauss-Seidel pass: pushes pairs apart to one thickness and applies
   /// friction.
@@ -103,6 +104,8 @@ class SelfContact {
   float friction_;
   PairSearch pair_search_;
   MotionForecast far_, near_;
+  std::array<float, 2> errors_ = {};  ///< Of far_ and near_.
+  bool errors_known_ = false;         ///< For x as it is.
   std::vector<ElementPair> node_triangle_,
       edge_edge_;                  ///< What may meet within far_.
   std::vector<Contact> contacts_;  ///< What may meet within near_; first those that carry force.
