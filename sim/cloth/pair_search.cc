@@ -26,6 +26,24 @@ PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh) {
   rows_ = static_cast<int>(mesh.patch_rows.size()) / mesh.layers;
   columns_ = static_cast<int>(mesh.patch_rows.front().size());
   for (const auto& row : mesh.patch_rows) patches_.insert(patches_.end(), row.begin(), row.end());
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    const ClothPatch& patch = patches_[i];
+    const int row = static_cast<int>(i) / columns_;
+    PatchElements elements{};
+    elements.layer = static_cast<std::uint16_t>(row / rows_);
+    elements.row = static_cast<std::uint16_t>(row);
+    elements.column = static_cast<std::uint16_t>(static_cast<int>(i) % columns_);
+    for (const int n : patch.nodes) {
+      elements.node[elements.node_count++] = static_cast<std::uint16_t>(n);
+    }
+    for (const int e : patch.edges) {
+      elements.edge[elements.edge_count++] = static_cast<std::uint16_t>(e);
+    }
+    for (int k = 0; k < 2; ++k) {
+      elements.triangle[k] = static_cast<std::uint16_t>(patch.triangles[k]);
+    }
+    elements_.push_back(elements);
+  }
   for (int layer = 0; layer < mesh.layers; ++layer) {
     roots_.push_back(BuildTree(layer * rows_, (layer + 1) * rows_, 0, columns_));
   }
@@ -62,9 +80,8 @@ int PairSearch::BuildTree(int row0, int row1, int col0, int col1) {
 }
 
 bool PairSearch::AreNeighbours(int a, int b) const {
-  const int row_a = a / columns_, row_b = b / columns_;
-  return row_a / rows_ == row_b / rows_ && std::abs(row_a - row_b) <= 1 &&
-         std::abs(a % columns_ - b % columns_) <= 1;
+  const PatchElements &p = elements_[a], &q = elements_[b];
+  return p.layer == q.layer && std::abs(p.row - q.row) <= 1 && std::abs(p.column - q.column) <= 1;
 }
 
 bool PairSearch::Share(int node, int triangle) const {
@@ -152,7 +169,10 @@ void PairSearch::Self(int node) {
 }
 
 void PairSearch::Cross(int a, int b) {
-  if (!tree_box_[a].Overlaps(tree_box_[b])) return;
+  if (tree_box_[a].Overlaps(tree_box_[b])) CrossOverlapping(a, b);
+}
+
+void PairSearch::CrossOverlapping(int a, int b) {
   const TreeNode &na = tree_[a], &nb = tree_[b];
   if (na.patch >= 0 && nb.patch >= 0) {
     if (!AreNeighbours(na.patch, nb.patch)) Patches(na.patch, nb.patch);
@@ -166,20 +186,23 @@ void PairSearch::Cross(int a, int b) {
 }
 
 void PairSearch::Patches(int a, int b) {
-  const auto nodes = [&](const ClothPatch& p, const ClothPatch& q) {
-    for (const int n : p.nodes) {
-      for (const int t : q.triangles) {
+  const auto nodes = [&](const PatchElements& p, const PatchElements& q) {
+    for (int i = 0; i < p.node_count; ++i) {
+      const int n = p.node[i];
+      for (const int t : q.triangle) {
         if (!node_box_[n].Overlaps(triangle_box_[t]) || Share(n, t)) continue;
         maybe_node_triangle_.push_back(
             {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(t)});
       }
     }
   };
-  const ClothPatch &p = patches_[a], &q = patches_[b];
+  const PatchElements &p = elements_[a], &q = elements_[b];
   nodes(p, q);
   nodes(q, p);
-  for (const int e : p.edges) {
-    for (const int f : q.edges) {
+  for (int i = 0; i < p.edge_count; ++i) {
+    const int e = p.edge[i];
+    for (int j = 0; j < q.edge_count; ++j) {
+      const int f = q.edge[j];
       if (!edge_box_[e].Overlaps(edge_box_[f])) continue;
       const auto &u = mesh_.edges[e], &v = mesh_.edges[f];
       if (u[0] == v[0] || u[0] == v[1] || u[1] == v[0] || u[1] == v[1]) continue;

@@ -51,6 +51,14 @@ class PairSearch {
   struct TreeNode {
     int left = -1, right = -1, patch = -1;
   };
+  /// A patch's elements and place, laid out for speed.
+  struct PatchElements {
+    std::uint16_t layer, row, column;  ///< Rows of all layers in one count.
+    std::uint16_t node_count, edge_count;
+    std::array<std::uint16_t, 4> node;
+    std::array<std::uint16_t, 5> edge;
+    std::array<std::uint16_t, 2> triangle;
+  };
   using IdPair = std::array<std::uint16_t, 2>;
 
   int BuildTree(int row0, int row1, int col0, int col1);
@@ -58,6 +66,7 @@ class PairSearch {
   void Refit(const MotionForecast& forecast);
   void Self(int node);
   void Cross(int a, int b);
+  void CrossOverlapping(int a, int b);
   void Patches(int a, int b);
   bool AreNeighbours(int a, int b) const;
   bool Share(int node, int triangle) const;
@@ -65,7 +74,8 @@ class PairSearch {
   void MeasureEdgeEdge(const MotionForecast& forecast, std::vector<ElementPair>& out) const;
 
   const ClothMesh& mesh_;
-  std::vector<ClothPatch> patches_;  ///< [layer][row][column].
+  std::vector<ClothPatch> patches_;      ///< [layer][row][column].
+  std::vector<PatchElements> elements_;  ///< Of each patch.
   int rows_ = 0, columns_ = 0;
   std::vector<TreeNode> tree_;  ///< Children before parents.
   std::vector<int> roots_;      ///< One per layer.
