@@ -1,6 +1,7 @@
 #include "sim/cloth/self_contact.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -64,6 +65,7 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   SelectFrom(node_triangle_, x);
   SelectFrom(edge_edge_, x);
   force_count_ = contacts_.size();
+  pushed_.assign((force_count_ + 63) / 64, 0);
   contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
   planes_.resize((contacts_.size() + 3) / 4);
   for (std::size_t i = 0; i < 4 * planes_.size(); ++i) SetPlane(i);
@@ -285,7 +287,7 @@ void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_m
         s0 * Vector(x[n[0]]) + s1 * Vector(x[n[1]]) + (s2 * Vector(x[n[2]]) + s3 * Vector(x[n[3]]));
     const float depth = c.target_m - Dot(normal, gap);
     if (depth <= 0) continue;
-    c.pushed = true;
+    pushed_[i / 64] |= std::uint64_t{1} << (i % 64);
     const auto& s = c.weight;
     const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
                     s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
@@ -305,24 +307,29 @@ void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_m
 }
 
 void SelfContact::StopRebound(const std::vector<float>& inv_mass, Vec4Array& v) {
-  for (std::size_t i = 0; i < force_count_; ++i) {
-    Contact& c = contacts_[i];
-    if (!c.pushed) continue;
-    c.pushed = false;
-    if (c.gap_m >= thickness_m_) continue;
-    const auto& n = c.node;
-    const auto& s = c.weight;
-    const Float4 normal = Vector(c.normal);
-    const Float4 rate = Float4(s[0]) * Vector(v[n[0]]) + Float4(s[1]) * Vector(v[n[1]]) +
-                        (Float4(s[2]) * Vector(v[n[2]]) + Float4(s[3]) * Vector(v[n[3]]));
-    const float apart = Dot(normal, rate);
-    if (apart <= 0) continue;
-    const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
-                    s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
-    const Float4 pull = normal * Float4(-apart / w);
-    for (int k = 0; k < 4; ++k) {
-      (Vector(v[n[k]]) + pull * Float4(s[k] * inv_mass[n[k]])).Store(v[n[k]].data());
+  for (std::size_t word = 0; word < pushed_.size(); ++word) {
+    for (std::uint64_t left = pushed_[word]; left != 0; left &= left - 1) {
+      const Contact& c = contacts_[64 * word + static_cast<std::size_t>(std::countr_zero(left))];
+      if (c.gap_m < thickness_m_) StopRebound(c, inv_mass, v);
     }
+    pushed_[word] = 0;
+  }
+}
+
+void SelfContact::StopRebound(const Contact& c, const std::vector<float>& inv_mass,
+                              Vec4Array& v) const {
+  const auto& n = c.node;
+  const auto& s = c.weight;
+  const Float4 normal = Vector(c.normal);
+  const Float4 rate = Float4(s[0]) * Vector(v[n[0]]) + Float4(s[1]) * Vector(v[n[1]]) +
+                      (Float4(s[2]) * Vector(v[n[2]]) + Float4(s[3]) * Vector(v[n[3]]));
+  const float apart = Dot(normal, rate);
+  if (apart <= 0) return;
+  const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
+                  s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
+  const Float4 pull = normal * Float4(-apart / w);
+  for (int k = 0; k < 4; ++k) {
+    (Vector(v[n[k]]) + pull * Float4(s[k] * inv_mass[n[k]])).Store(v[n[k]].data());
   }
 }
 

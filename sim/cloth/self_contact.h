@@ -69,7 +69,6 @@ class SelfContact {
     std::uint16_t triangle = 0;
     bool edges = false;
     bool force = false;
-    bool pushed = false;  ///< In this substep.
   };
   /// What is looked at in every substep, of four contacts, side by side: a third of their bytes.
   struct alignas(16) Planes {
@@ -89,6 +88,7 @@ class SelfContact {
   void SearchAlong(const Vec4Array& x_prev, const Vec4Array& x, float h, bool far);
   void Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const;
   void Measure(const Vec4Array& x);
+  void StopRebound(const Contact& c, const std::vector<float>& inv_mass, Vec4Array& v) const;
   float Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const;
   float LeastClearance(float clear_m) const;
   Float4 AcceptedClearance(Float4 clear_m) const;
@@ -110,7 +110,8 @@ class SelfContact {
       edge_edge_;                  ///< What may meet within far_.
   std::vector<Contact> contacts_;  ///< What may meet within near_; first those that carry force.
   std::size_t force_count_ = 0;
-  std::vector<Planes> planes_;  ///< Of all contacts, in their order; the last ones repeated.
+  std::vector<std::uint64_t> pushed_;  ///< Bit i: contact i pushed in this substep.
+  std::vector<Planes> planes_;         ///< Of all contacts, in their order; the last ones repeated.
   // Scratch.
   Vec4Array v_;
   Vec4Array from_, to_;  ///< Displacements since the search, now and at the near
