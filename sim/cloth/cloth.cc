@@ -24,6 +24,7 @@ constexpr float kLinkSlip_m = 5e-4f;
 constexpr int kAirEvery = 4;         // substeps between evaluations of the air's force
 constexpr int kCandidatesEvery = 4;  // substeps between searches for shapes' contacts
 constexpr float kCandidateReach_m = 0.008f;
+constexpr float kBeyond_m = 1e-4f;
 // Woven cotton's yarns straighten by about a percent before they bear; tethers
 // allow for it.
 constexpr float kTetherSlack = 1.01f;
@@ -99,6 +100,7 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
   SetState(std::move(flat));
   air_.assign(mesh_.rest.size(), Vec4f::Zero());
   bend_force_ = ahead_ = air_;
+  beyond_.resize(mesh_.rest.size());
   PackBends();
   for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, 0, 0}, {1, 0, 0}, 1});
   for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], 0}, {0.5f, 0.5f, 0}, 2});
@@ -305,8 +307,19 @@ void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
     const Vec3f lo = shape.X_WS.translation() - extent - Vec3f::Constant(reach);
     const Vec3f hi = shape.X_WS.translation() + extent + Vec3f::Constant(reach);
     if ((lo.array() > hi_.array()).any() || (hi.array() < lo_.array()).any()) continue;
+    // A sample whose nodes all lie beyond one side of the box lies there too; rounding is far below
+    // what the box is grown by.
+    const Vec3f lower = lo - Vec3f::Constant(kBeyond_m), upper = hi + Vec3f::Constant(kBeyond_m);
+    for (std::size_t i = 0; i < x_.size(); ++i) {
+      const int below = Bits(Load(x_[i]) < Float4(lower.x(), lower.y(), lower.z(), 0));
+      const int above = Bits(Float4(upper.x(), upper.y(), upper.z(), 0) < Load(x_[i]));
+      beyond_[i] = static_cast<std::uint8_t>(below << 3 | above);
+    }
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const Sample& m = samples_[i];
+      int beyond = beyond_[m.node[0]];
+      for (int k = 1; k < m.count; ++k) beyond &= beyond_[m.node[k]];
+      if (beyond != 0) continue;
       Vec3f p = m.weight[0] * At(m.node[0]);
       for (int k = 1; k < m.count; ++k) p += m.weight[k] * At(m.node[k]);
       if ((p.array() < lo.array()).any() || (p.array() > hi.array()).any()) continue;
@@ -331,6 +344,7 @@ void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, fl
       w += m.weight[k] * m.weight[k] * inv_mass_[m.node[k]];
     }
     const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
+    if (ClearlyOff(shape, p_S, gap)) continue;
     Vec3f n_S;
     const float distance = SignedDistance(shape, p_S, n_S);
     if (distance >= gap) continue;
@@ -385,9 +399,10 @@ void Cloth::MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates
     const Sample& m = samples_[index];
     Vec3f p = m.weight[0] * state_.x[m.node[0]];
     for (int k = 1; k < m.count; ++k) p += m.weight[k] * state_.x[m.node[k]];
+    const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
+    if (ClearlyOff(shape, p_S, gap)) continue;
     Vec3f n_S;
-    const float distance = SignedDistance(
-        shape, shape.X_WS.linear().transpose() * (p - shape.X_WS.translation()), n_S);
+    const float distance = SignedDistance(shape, p_S, n_S);
     if (distance >= gap) continue;
     const float overlap = std::min(gap - distance, 2 * gap);
     const float force = kCompression_N_m3 * sample_area_m2_ * overlap;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -132,6 +133,7 @@ class Cloth {
   std::vector<Sample> samples_;
   float sample_area_m2_ = 0;
   std::vector<std::vector<int>> candidates_;
+  std::vector<std::uint8_t> beyond_;  ///< Scratch, per node: sides of a box that it is beyond.
   Vec3f lo_ = Vec3f::Zero(), hi_ = Vec3f::Zero();
   int since_candidates_ = 0;
   int since_air_ = 0;

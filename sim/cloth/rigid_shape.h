@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "sim/cloth/cloth_types.h"
 
@@ -24,6 +25,19 @@ struct RigidShape {
   Vec3f squeeze = Vec3f::Zero();
   float squeeze_minus_x = 0;  ///< Its part on the body's -x face; a gripper's pads read it.
 };
+
+/// True only if SignedDistance is at least `gap_m` (positive): a cheap look before it.
+inline bool ClearlyOff(const RigidShape& shape, const Vec3f& p_S, float gap_m) {
+  if (shape.kind == RigidShape::Kind::kBox) {
+    return std::abs(p_S.x()) - shape.half.x() >= gap_m ||
+           std::abs(p_S.y()) - shape.half.y() >= gap_m ||
+           std::abs(p_S.z()) - shape.half.z() >= gap_m;
+  }
+  if (shape.kind == RigidShape::Kind::kSphere) return false;
+  const float off = 1.001f * (shape.half.x() + gap_m);  // more than rounding takes
+  return std::abs(p_S.z()) - shape.half.z() >= gap_m ||
+         p_S.x() * p_S.x() + p_S.y() * p_S.y() >= off * off;
+}
 
 /// Distance (m, negative inside) of p_S from the shape's surface and the outward normal there.
 float SignedDistance(const RigidShape& shape, const Vec3f& p_S, Vec3f& normal_S);
