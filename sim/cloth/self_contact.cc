@@ -220,16 +220,14 @@ struct Heights {
 
 }  // namespace
 
-// Gap and clearance of all contacts at the substep's start; planes that have
-// turned are placed anew.
+// Gap and clearance of all contacts at the substep's start, where FindViolated last looked; planes
+// that have turned are placed anew.
 void SelfContact::Measure(const Vec4Array& x) {
   const std::size_t count = contacts_.size();
   violated_.clear();
   for (std::size_t g = 0; g < planes_.size(); ++g) {
     Planes& p = planes_[g];
-    const Heights<Planes> h(p, x);
-    const Float4 gap = h.h1 * Lanes(p.w1) + h.h2 * Lanes(p.w2) + h.h3 * Lanes(p.w3);
-    const Float4 clear = h.Clearance();
+    const Float4 gap = Lanes(p.end_gap), clear = Lanes(p.end_clear);
     gap.Store(p.gap.data());
     clear.Store(p.clear.data());
     AcceptedClearance(clear).Store(p.accepted.data());
@@ -371,8 +369,13 @@ bool SelfContact::FindViolated(const Vec4Array& x) {
   violated_.clear();
   const std::size_t count = contacts_.size();
   for (std::size_t g = 0; g < planes_.size(); ++g) {
-    const Planes& p = planes_[g];
-    const int lacking = Bits(Heights<Planes>(p, x).Clearance() < Lanes(p.accepted));
+    Planes& p = planes_[g];
+    const Heights<Planes> h(p, x);
+    const Float4 clear = h.Clearance();
+    // The next substep starts from here.
+    (h.h1 * Lanes(p.w1) + h.h2 * Lanes(p.w2) + h.h3 * Lanes(p.w3)).Store(p.end_gap.data());
+    clear.Store(p.end_clear.data());
+    const int lacking = Bits(clear < Lanes(p.accepted));
     for (std::size_t k = 0; lacking != 0 && k < 4 && 4 * g + k < count; ++k) {
       if (lacking >> k & 1) violated_.push_back(static_cast<int>(4 * g + k));
     }

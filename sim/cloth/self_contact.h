@@ -73,12 +73,13 @@ class SelfContact {
   /// What is looked at in every substep, of four contacts, side by side: a third of their bytes.
   struct alignas(16) Planes {
     using Lanes = std::array<float, 4>;
-    Lanes nx, ny, nz;  ///< Normals.
-    Lanes w1, w2, w3;  ///< Weights of nodes 1 to 3.
-    Lanes edges;       ///< 1: edge against edge, 0: node against triangle.
-    Lanes gap, clear;  ///< At the substep's start: as Contact::gap_m, and between the
-                       ///< elements' extreme nodes.
-    Lanes accepted;    ///< Clearance that the substep's end must leave.
+    Lanes nx, ny, nz;          ///< Normals.
+    Lanes w1, w2, w3;          ///< Weights of nodes 1 to 3.
+    Lanes edges;               ///< 1: edge against edge, 0: node against triangle.
+    Lanes gap, clear;          ///< At the substep's start: as Contact::gap_m, and between the
+                               ///< elements' extreme nodes.
+    Lanes end_gap, end_clear;  ///< The same where FindViolated last looked.
+    Lanes accepted;            ///< Clearance that the substep's end must leave.
     std::array<std::array<std::uint16_t, 4>, 4> node;  ///< [corner][lane]
   };
 
