@@ -25,7 +25,7 @@ class Witness final : public RobotPort {
   MoveResult MoveToWaitingPose() override { return robot_.MoveToWaitingPose(); }
   double MoveGripper(double opening_m, double speed_m_s, double force_N) override {
     const double reached = robot_.MoveGripper(opening_m, speed_m_s, force_N);
-    if (opening_m == 0) layers_held_ = referee_.Judge().layers_held;
+    if (opening_m == 0) layers_held_ = referee_.LayersHeld();
     return reached;
   }
   void Wait(double seconds) override { robot_.Wait(seconds); }

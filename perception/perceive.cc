@@ -182,8 +182,9 @@ void AddWarnings(const View& view, const std::optional<BagBody>& bag, Observatio
     return std::count_if(points.begin(), points.end(),
                          [](const PosePoint& point) { return !point.from_depth; });
   };
-  const auto missing =
-      without_depth(observation.grasp_points) + without_depth(observation.place_points);
+  const auto missing = without_depth(observation.grasp_points) +
+                       without_depth(observation.place_points) +
+                       without_depth(observation.edge_points);
   if (missing > 0 && !view.frame.depth_mm.empty()) {
     warnings.push_back("no depth at " + std::to_string(missing) + " pose points");
   }

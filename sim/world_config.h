@@ -16,9 +16,9 @@ struct WorldConfig {
   double pad_height_m = 0.0375;
   double pad_friction = 0.7;      ///< Rubber on cloth and cube.
   double rest_speed_m_s = 0.003;  ///< Cube and cloth (root mean square) slower than this ...
-  double rest_time_s = 0.25;      ///< ... for so long: the world sleeps until something comes near.
+  double rest_time_s = 0.15;      ///< ... for so long: the world sleeps until something comes near.
   /// At 1 m/s a link moves 1.7 mm in a substep.
-  double wake_distance_m = 0.005;
+  double wake_distance_m = 0.0025;
 
   template <class V>
   void Fields(V& v) {

@@ -21,6 +21,8 @@ class Referee {
  public:
   virtual ~Referee() = default;
   virtual Truth Judge() = 0;
+  /// Truth::layers_held alone, which is cheap to tell.
+  virtual int LayersHeld() = 0;
 };
 
 }  // namespace gusset

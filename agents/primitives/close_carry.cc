@@ -21,7 +21,7 @@ void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3
 Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
                          const CloseCarryConfig& config) {
   const Eigen::Vector3d outward = mouth.Outward_W();
-  const Eigen::Vector3d along(-outward.y(), outward.x(), 0);
+  const Eigen::Vector3d along = LeftOf(outward);
   const Eigen::Vector3d to_lip = At(mouth.near_W - p_W, 0);
   const double aside = to_lip.dot(along);
   return p_W + outward * std::max(0.0, to_lip.dot(outward) - config.rim_inset_m) +

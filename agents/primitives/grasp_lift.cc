@@ -72,7 +72,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   Vector3d along = At(p_W - centre_W, 0);
   along = along.norm() > kCentral_m ? Vector3d(along.normalized()) : Vector3d(-Vector3d::UnitY());
   const Vector3d grasp = Reachable(config.reach_m, p_W, centre_W);
-  const Vector3d left(-along.y(), along.x(), 0);
+  const Vector3d left = LeftOf(along);
   const Vector3d side = parameter % 2 == 1 ? left : Vector3d(-left);
   const Press press{config.contact_force_N, config.retries, config.press_factor};
 

@@ -10,7 +10,7 @@ namespace {
 void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
           const ScratchDragConfig& scratch, const MotionConfig& motion) {
   const Eigen::Vector3d outward = mouth.Outward_W(), apart = mouth.Apart_W();
-  const Eigen::Vector3d along(-outward.y(), outward.x(), 0);
+  const Eigen::Vector3d along = LeftOf(outward);
   if (apart.norm() < config.folded_m) {
     const Eigen::Vector3d grasp = mouth.drawn_W - config.grasp_inset_m * outward;
     ScratchDrag(tool, grasp, grasp - config.widen_m * outward, along, scratch, motion);
@@ -46,7 +46,7 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
   if (mouth && mouth->Apart_W().norm() > 0) {
     const Eigen::Vector3d outward = mouth->Outward_W();
     down_W += outward * std::max(0.0, (mouth->near_W - place_W).dot(outward) - config.lip_inset_m);
-    closing = AngleOf({-outward.y(), outward.x(), 0});
+    closing = AngleOf(LeftOf(outward));
   }
   const double slide_z = held_z + config.slide_height_m;
   tool.GoTilted(At(down_W, config.carry_height_m), closing, 0, motion.travel_speed_m_s);

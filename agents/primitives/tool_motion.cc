@@ -44,6 +44,8 @@ double AngleOf(const Eigen::Vector3d& direction_W) {
 
 Eigen::Vector3d At(const Eigen::Vector3d& p, double z) { return {p.x(), p.y(), z}; }
 
+Eigen::Vector3d LeftOf(const Eigen::Vector3d& v) { return {-v.y(), v.x(), 0}; }
+
 Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v) {
   return v.norm() > most_m ? Eigen::Vector3d(v * (most_m / v.norm())) : v;
 }

@@ -55,6 +55,8 @@ double AngleOf(const Eigen::Vector3d& direction_W);
 
 /// The point above or below p at height z.
 Eigen::Vector3d At(const Eigen::Vector3d& p, double z);
+/// Horizontal, as long as v is seen from above, and a quarter turn to its left.
+Eigen::Vector3d LeftOf(const Eigen::Vector3d& v);
 /// v, shortened to most_m if it is longer.
 Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v);
 

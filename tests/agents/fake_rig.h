@@ -87,6 +87,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   double max_opening_m() const override { return 0.085; }
 
   Truth Judge() override { return truth; }
+  int LayersHeld() override { return truth.layers_held; }
 
  private:
   MoveResult Note(const Move& move) {

@@ -10,13 +10,17 @@
 
 namespace gusset {
 
+int SimReferee::LayersHeld() {
+  std::set<int> layers;
+  for (const HeldPoint& held : scene_.world().cloth().state().held) layers.insert(held.layer);
+  return static_cast<int>(layers.size());
+}
+
 Truth SimReferee::Judge() {
   const World& world = scene_.world();
   const ClothState& cloth = world.cloth().state();
   Truth truth;
-  std::set<int> layers;
-  for (const HeldPoint& held : cloth.held) layers.insert(held.layer);
-  truth.layers_held = static_cast<int>(layers.size());
+  truth.layers_held = LayersHeld();
   truth.bag_held = world.cloth().holding();
   truth.cube_held = world.cube_held();
   const Eigen::Vector3d cube = world.cube().X_WB.translation();

@@ -14,6 +14,7 @@ class SimReferee : public Referee {
   SimReferee(SimScene& scene, const PerceptionConfig& perception, const BagThresholds& thresholds)
       : scene_(scene), perception_(perception), thresholds_(thresholds) {}
   Truth Judge() override;
+  int LayersHeld() override;
 
  private:
   SimScene& scene_;
