@@ -24,6 +24,7 @@ constexpr float kLinkSlip_m = 5e-4f;
 constexpr int kAirEvery = 4;         // substeps between evaluations of the air's force
 constexpr int kCandidatesEvery = 4;  // substeps between searches for shapes' contacts
 constexpr float kCandidateReach_m = 0.008f;
+constexpr int kBesideSweeps = 2;  // more sweeps beside the fingers; tuned 2026-11, ClothInActions
 constexpr float kBeyond_m = 1e-4f;
 // Woven cotton's yarns straighten by about a percent before they bear; tethers
 // allow for it.
@@ -326,6 +327,29 @@ void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
       candidates_[s].push_back(static_cast<int>(i));
     }
   }
+  ListBeside(shapes);
+}
+
+// Yarns at what the fingers hold or touch; the cube is too light to stretch any.
+void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
+  beside_.clear();
+  bool any = !state_.held.empty();
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    any = any || (shapes[s].inv_mass == 0 && !candidates_[s].empty());
+  }
+  if (!any) return;
+  std::vector<bool> nodes(x_.size(), false);
+  for (const HeldPoint& held : state_.held) {
+    for (const int node : held.node) nodes[node] = true;
+  }
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    if (shapes[s].inv_mass > 0) continue;
+    for (const int index : candidates_[s]) {
+      const Sample& m = samples_[index];
+      for (int k = 0; k < m.count; ++k) nodes[m.node[k]] = true;
+    }
+  }
+  beside_ = stretch_.PacketsAt(nodes);
 }
 
 void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h) {
@@ -496,6 +520,12 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     contact_.Solve(x_prev_, inv_mass_, x_);
     for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
     SolveTable();
+  }
+  // What fingers pull and push at goes through few yarns, and two sweeps leave those too long.
+  const float tension = static_cast<float>(solver_.stretch_compliance_m_N) / (h * h);
+  for (int k = 0; k < kBesideSweeps && !beside_.empty(); ++k) {
+    SolveHold(h, X_WT);
+    stretch_.Solve({tension, 0, true, false, {}}, beside_, state_.stretch_set, x_);
   }
   LoseWhatSlippedOut();
   const float floor = 0.5f * mesh_.thickness_m;

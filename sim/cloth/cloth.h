@@ -13,8 +13,7 @@
 
 namespace gusset {
 
-/// Cloth held between a gripper's pads: a material point bound to a place in
-/// the tool frame.
+/// Cloth held between a gripper's pads: a material point bound to a place in the tool frame.
 struct HeldPoint {
   std::array<int, 3> node{};
   Vec3f weight = Vec3f::Zero();  ///< Barycentric.
@@ -68,8 +67,7 @@ class Cloth {
   /// Constraints and contact; ends the substep. X_WT: the tool at its end.
   void SolveConstraints(float h, const Eigen::Isometry3f& X_WT, std::vector<RigidShape>& shapes);
 
-  /// Binds what lies between the pads to the tool, with a force limit shared by
-  /// area.
+  /// Binds what lies between the pads to the tool, with a force limit shared by area.
   void BeginHold(const PadGap& gap, float limit_N);
   void EndHold();
   /// Draws what is held together towards the tool's z axis by this factor, as a closing hand does.
@@ -120,6 +118,7 @@ class Cloth {
   void LoseWhatSlippedOut();
   void MeasureTethers();
   void FindCandidates(const std::vector<RigidShape>& shapes);
+  void ListBeside(const std::vector<RigidShape>& shapes);
   void Tether(float h, const Eigen::Isometry3f& X_WT);
 
   ClothMesh mesh_;
@@ -132,7 +131,8 @@ class Cloth {
   std::vector<BendPacket> bend_packets_;
   std::vector<Sample> samples_;
   float sample_area_m2_ = 0;
-  std::vector<std::vector<int>> candidates_;
+  std::vector<std::vector<int>> candidates_;  ///< Per shape: samples that may touch it.
+  std::vector<int> beside_;                   ///< Packets of stretch_ at the fingers.
   std::vector<std::uint8_t> beyond_;  ///< Scratch, per node: sides of a box that it is beyond.
   Vec3f lo_ = Vec3f::Zero(), hi_ = Vec3f::Zero();
   int since_candidates_ = 0;
