@@ -52,7 +52,7 @@ TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
   seen_.insert(1);
 
   const auto open = Try(flat, 1, 30, [](const Outcome& o) {
-    return o.next.state == 2 && o.truth.state == 2 && o.truth.opening_area_px2 > 2000;
+    return o.next.state == 2 && o.truth.state == 2 && o.log["A_o"].get<double>() > 2000;
   });
   ASSERT_TRUE(open) << "no scratch-and-drag of 30 opens the bag";
   const auto filled = Try(
@@ -105,7 +105,7 @@ TEST_F(ClosedLoop, AnActionGivesTheSameBitsWhateverRanBefore) {
 // A cube that is squeezed out of the fingers, or kicked as they open, lies elsewhere.
 TEST_F(ClosedLoop, TheCubeStaysWhereItIsPlaced) {
   const auto open = Try(env_.Start(StartKind::kUnfolded, kSeed), 1, 30, [](const Outcome& o) {
-    return o.next.state == 2 && o.truth.opening_area_px2 > 2000;
+    return o.next.state == 2 && o.log["A_o"].get<double>() > 2000;
   });
   ASSERT_TRUE(open) << "no scratch-and-drag of 30 leaves room for the cube";
   for (int point = 0; point < 9; ++point) {
