@@ -51,12 +51,13 @@ const PosePoint& ChosenPoint(const Observation& seen, int point) {
 
 std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
                              double table_height_m) {
-  if (!seen.lips) return std::nullopt;
+  if (!seen.lips || !seen.rim) return std::nullopt;
   const auto at = [&](double x, double y) {
     return camera.OntoPlane(seen.opening_centre.px + cv::Point2d(x, y), table_height_m);
   };
   const double m2_per_px2 = (at(1, 0) - at(0, 0)).norm() * (at(0, 1) - at(0, 0)).norm();
-  return Mouth{seen.lips->near.p_W, seen.lips->drawn.p_W, seen.A_o * m2_per_px2};
+  return Mouth{seen.lips->near.p_W, seen.lips->drawn.p_W, seen.rim->outward_W,
+               seen.A_o * m2_per_px2};
 }
 
 }  // namespace

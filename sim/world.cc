@@ -27,6 +27,8 @@ constexpr double kTableStiffness_N_m = 3e4;
 constexpr float kShapeMargin_m = 0.0005f;
 // Cloth is felt between the pads when, pressed together, it would fill this share of the gap.
 constexpr double kFullGap = 0.9;
+// A link pressed onto the table with more than this keeps the world awake, which feels it.
+constexpr double kPressing_N = 0.1;
 // Looking for it costs as much as a substep; a finger moves 0.25 mm in so many steps at 50 mm/s.
 constexpr int kStackEvery = 3;
 // An awake world is checked for runaway speeds this often.
@@ -305,7 +307,7 @@ struct World::Impl {
     return depth > 0 ? kTableStiffness_N_m * depth : 0.0;
   }
 
-  // Whether a link is so close to cloth or cube that it may touch them in the next substep.
+  // Whether a link presses on the table, or may touch cloth or cube in the next substep.
   bool SomethingNear() const {
     const auto& x = cloth.state().x;
     if (bounds_stale) {
@@ -328,7 +330,10 @@ struct World::Impl {
           ((p + r).array() > lo.array()).all() && ((p - r).array() < hi.array()).all();
       const bool cube_near = ((p + r).array() > (cube_p - cube_r).array()).all() &&
                              ((p - r).array() < (cube_p + cube_r).array()).all();
-      if (cube_near || (in_bounds && cloth.IsNear(shapes[s], near.x()))) return true;
+      if (cube_near || TableForce(shapes[s]) > kPressing_N ||
+          (in_bounds && cloth.IsNear(shapes[s], near.x()))) {
+        return true;
+      }
     }
     return false;
   }
@@ -400,6 +405,7 @@ World::~World() = default;
 void World::SetState(const WorldState& state) {
   impl_->time = state.time_s;
   impl_->cloth.SetState(state.cloth);
+  impl_->bounds_stale = true;
   SetCube(state.cube);
   impl_->hold_force = state.hold_force_N;
   impl_->rest = state.rest_s;

@@ -34,7 +34,8 @@ void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, co
 Vector3d SeizeEdge(ToolMotion& tool, const Vector3d& way, const Press& press,
                    const GraspLiftConfig& config, const MotionConfig& motion) {
   const auto at = [&](int probe) {
-    return Within(config.reach_m, way * (config.probe_from_m - probe * config.probe_step_m));
+    const double from = std::min(config.probe_from_m, config.reach_m);
+    return Vector3d(way * std::max(0.0, from - probe * config.probe_step_m));
   };
   tool.Fingers(config.opening_m);
   tool.Approach(At(at(0), config.rise_m), kClosing_rad);

@@ -8,7 +8,9 @@ namespace gusset {
 struct Mouth {
   Eigen::Vector3d near_W;   ///< The lip at the rim.
   Eigen::Vector3d drawn_W;  ///< The lip drawn back onto the body.
-  double area_m2 = 0;       ///< Of the opening between them, as Algorithm 7 sees it.
+  /// The way the rim looks, as a unit vector. Lips that lie nearly on each other do not tell.
+  Eigen::Vector3d rim_outward_W = Eigen::Vector3d::Zero();
+  double area_m2 = 0;  ///< Of the opening between them, as Algorithm 7 sees it.
 
   /// From the drawn lip to the near one; horizontal.
   Eigen::Vector3d Apart_W() const {

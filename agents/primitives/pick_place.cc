@@ -9,14 +9,17 @@ namespace {
 // of them drawn back widens, or a corner of the bag folded over, which is laid back.
 void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
           const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  const Eigen::Vector3d outward = mouth.Outward_W(), apart = mouth.Apart_W();
-  const Eigen::Vector3d along = LeftOf(outward);
-  if (apart.norm() < config.folded_m) {
-    const Eigen::Vector3d grasp = mouth.drawn_W - config.grasp_inset_m * outward;
-    ScratchDrag(tool, grasp, grasp - config.widen_m * outward, along, scratch, motion);
+  const Eigen::Vector3d apart = mouth.Apart_W();
+  if (apart.dot(mouth.rim_outward_W) < config.folded_m) {
+    tool.Note("slit widened instead");
+    const Eigen::Vector3d inward = -mouth.rim_outward_W;
+    const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * inward;
+    ScratchDrag(tool, grasp, grasp + config.widen_m * inward, LeftOf(inward), scratch, motion);
   } else {
-    const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * outward;
-    ScratchDrag(tool, grasp, grasp + apart + config.over_m * outward, along, scratch, motion);
+    tool.Note("folded corner laid back instead");
+    const Eigen::Vector3d back = mouth.Outward_W();
+    const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * back;
+    ScratchDrag(tool, grasp, grasp + apart + config.over_m * back, LeftOf(back), scratch, motion);
   }
 }
 
@@ -26,7 +29,7 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const ScratchDragConfig& scratch,
                const MotionConfig& motion) {
-  if (mouth && mouth->Apart_W().norm() > 0 && mouth->area_m2 < config.room_m2) {
+  if (mouth && mouth->area_m2 < config.room_m2) {
     return Mend(tool, *mouth, config, scratch, motion);
   }
   // Never below 5 mm: the fingertips would press on the table.

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "agents/ports/robot_port.h"
 #include "base/config.h"
@@ -43,7 +44,7 @@ struct MotionConfig {
 /// How far a primitive came.
 struct PrimitiveReport {
   bool completed = true;
-  std::string note;  ///< Why not, in a few words; empty if completed.
+  std::string note;  ///< Why not, or what was done instead; empty if all went as meant.
 };
 
 /// Rotation of a tool that points straight down, its fingers closing along the world's x axis
@@ -98,6 +99,9 @@ class ToolMotion {
   /// As wide as they go. @returns the opening reached.
   double OpenFingers() { return Fingers(robot_.max_opening_m()); }
   void Wait(double seconds) { robot_.Wait(seconds); }
+  /// For the log: what was done instead of what was meant, in a few words.
+  void Note(std::string note) { note_ = std::move(note); }
+  const std::string& note() const { return note_; }
   /// Opens the fingers and goes straight up out of the cloth, as far as that works; never throws.
   void LetGoAndRise();
 
@@ -106,6 +110,7 @@ class ToolMotion {
 
   RobotPort& robot_;
   MotionConfig config_;
+  std::string note_;
   Eigen::Matrix3d R_WT_ = Eigen::Matrix3d::Identity();
 };
 

@@ -330,7 +330,8 @@ void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
   ListBeside(shapes);
 }
 
-// Yarns at what the fingers hold or touch; the cube is too light to stretch any.
+// Yarns at what is held or near a kinematic body, and what shares a packet with them; a loose cube
+// is too light to stretch any.
 void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
   beside_.clear();
   bool any = !state_.held.empty();
@@ -521,7 +522,8 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
     SolveTable();
   }
-  // What fingers pull and push at goes through few yarns, and two sweeps leave those too long.
+  // What fingers pull and push at goes through few yarns, and two sweeps leave those too long. With
+  // the fingers' contact in these sweeps too they end longer still: what yields is the overlap.
   const float tension = static_cast<float>(solver_.stretch_compliance_m_N) / (h * h);
   for (int k = 0; k < kBesideSweeps && !beside_.empty(); ++k) {
     SolveHold(h, X_WT);

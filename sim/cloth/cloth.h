@@ -132,7 +132,7 @@ class Cloth {
   std::vector<Sample> samples_;
   float sample_area_m2_ = 0;
   std::vector<std::vector<int>> candidates_;  ///< Per shape: samples that may touch it.
-  std::vector<int> beside_;                   ///< Packets of stretch_ at the fingers.
+  std::vector<int> beside_;                   ///< Packets of stretch_ with a yarn at the fingers.
   std::vector<std::uint8_t> beyond_;  ///< Scratch, per node: sides of a box that it is beyond.
   Vec3f lo_ = Vec3f::Zero(), hi_ = Vec3f::Zero();
   int since_candidates_ = 0;

@@ -34,7 +34,7 @@ class LinkSolver {
   };
   /// @param set per lane: elongation (m) that friction holds to; updated where the sweep pushes.
   void Solve(const Sweep& sweep, std::vector<float>& set, Vec4Array& x) const;
-  /// The same for the packets listed alone, in their order.
+  /// The same for the packets listed alone, always in their order.
   void Solve(const Sweep& sweep, const std::vector<int>& packets, std::vector<float>& set,
              Vec4Array& x) const;
   /// Packets with a link at one of these nodes (true: is one).

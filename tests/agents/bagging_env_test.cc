@@ -200,6 +200,17 @@ TEST_F(BaggingEnvTest, GraspLiftFeelsForTheEdgeFromOutsideInwards) {
   }
 }
 
+TEST_F(BaggingEnvTest, GraspLiftPullsTheEdgeOutwardsByPullWhereTheArmReaches) {
+  config_.grasp_lift.pull_m = 0.05;
+  config_.grasp_lift.probe_from_m = 0.10;
+  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+  (void)env.Begin("0", 5);
+  (void)env.Act(4 * 9);
+  const std::vector<Eigen::Vector3d> path = HeldPath();
+  ASSERT_EQ(path.size(), 20u);
+  for (const int end : {7, 11, 15, 19}) EXPECT_NEAR(path[end].head<2>().norm(), 0.15, 1e-9);
+}
+
 TEST_F(BaggingEnvTest, GraspLiftStaysWithinTheLiftColumnAndTheHeightOverTheCentre) {
   (void)Act(0, 0, 1);
   const Eigen::Vector3d edge = env_.before().edge_points[0].p_W;
@@ -266,10 +277,9 @@ TEST_F(BaggingEnvTest, PickPlaceWidensASlitAndLeavesTheCubeWhereItIs) {
   config_.pick_place.folded_m = 1;   // ... and a slit
   BaggingEnv env(rig_, rig_, rig_, rig_, config_);
   (void)env.Begin("2", 5);
-  (void)env.Act(5);
-  const Lips& lips = *env.before().lips;
-  const Eigen::Vector2d drawn = lips.drawn.p_W.head<2>();
-  const Eigen::Vector2d outward = (lips.near.p_W.head<2>() - drawn).normalized();
+  EXPECT_EQ(env.Act(5).log["note"], "slit widened instead");
+  const Eigen::Vector2d drawn = env.before().lips->drawn.p_W.head<2>();
+  const Eigen::Vector2d outward = env.before().rim->outward_W.head<2>();
   const std::vector<Eigen::Vector3d> path = HeldPath();
   const double inset = config_.pick_place.grasp_inset_m, widen = config_.pick_place.widen_m;
   EXPECT_NEAR((path.front().head<2>() - (drawn - inset * outward)).norm(), 0, 1e-9);
@@ -284,7 +294,7 @@ TEST_F(BaggingEnvTest, PickPlaceLaysACornerBackThatIsFoldedOver) {
   config_.pick_place.folded_m = 0;
   BaggingEnv env(rig_, rig_, rig_, rig_, config_);
   (void)env.Begin("2", 5);
-  (void)env.Act(5);
+  EXPECT_EQ(env.Act(5).log["note"], "folded corner laid back instead");
   const Lips& lips = *env.before().lips;
   const Eigen::Vector2d near = lips.near.p_W.head<2>();
   const Eigen::Vector2d outward = (near - lips.drawn.p_W.head<2>()).normalized();

@@ -85,6 +85,45 @@ TEST(World, AFlatBagFallsAsleepAndThenStaysAsItIs) {
   EXPECT_EQ(scene.world.cloth().state().x, before);
 }
 
+// All links far away but the last, a hand's, whose tip is at p_W.
+std::vector<Eigen::Isometry3d> HandAt(const Eigen::Vector3d& p_W) {
+  std::vector<Eigen::Isometry3d> X_WL = WaitingLinks();
+  const int tip = *Iiwa().robot().FindLink(Iiwa().config().tip_link);
+  Eigen::Isometry3d X_WTip = Eigen::Isometry3d::Identity();
+  X_WTip.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  X_WTip.translation() = p_W;
+  const Eigen::Isometry3d move = X_WTip * X_WL[tip].inverse();
+  for (const int finger : {Iiwa().finger_link_a(), Iiwa().finger_link_b()}) {
+    X_WL[finger] = move * X_WL[finger];
+  }
+  X_WL[tip] = X_WTip;
+  return X_WL;
+}
+
+TEST(World, AHandWakesTheClothThatItComesNearAndNoOther) {
+  Scene scene;
+  scene.world.Settle(3);
+  ASSERT_TRUE(scene.world.asleep());
+  const double opening = Iiwa().max_opening_m();
+  // Over the middle, 2 cm above the cloth; beside the bag, above the bare table.
+  scene.world.Step(HandAt({0, 0, 0.02}), opening, false);
+  EXPECT_TRUE(scene.world.asleep());
+  scene.world.Step(HandAt({0.25, 0, 0.001}), opening, false);
+  EXPECT_TRUE(scene.world.asleep());
+  scene.world.Step(HandAt({0, 0, 0.004}), opening, false);
+  EXPECT_FALSE(scene.world.asleep());
+}
+
+TEST(World, AHandFeelsTheBareTableWhileTheClothSleeps) {
+  Scene scene;
+  scene.world.Settle(3);
+  ASSERT_TRUE(scene.world.asleep());
+  for (int i = 0; i < 30; ++i) {
+    scene.world.Step(HandAt({0.25, 0, -0.0005}), Iiwa().max_opening_m(), false);
+  }
+  EXPECT_GT(scene.world.ForceOnTool().z(), 5);
+}
+
 // Mid-planes of the two layers lie half and one and a half thicknesses above the table, so the
 // fingertips' height alone decides what is held.
 TEST(World, FingertipHeightDecidesWhichLayersAreHeld) {

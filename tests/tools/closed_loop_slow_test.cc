@@ -52,7 +52,8 @@ TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
   seen_.insert(1);
 
   const auto open = Try(flat, 1, 30, [](const Outcome& o) {
-    return o.next.state == 2 && o.truth.state == 2 && o.log["A_o"].get<double>() > 2000;
+    return o.next.state == 2 && o.truth.state == 2 && o.truth.opening_area_px2 > 2000 &&
+           o.log["A_o"].get<double>() > 2000;
   });
   ASSERT_TRUE(open) << "no scratch-and-drag of 30 opens the bag";
   const auto filled = Try(
