@@ -350,7 +350,12 @@ void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
       for (int k = 0; k < m.count; ++k) nodes[m.node[k]] = true;
     }
   }
-  beside_ = stretch_.PacketsAt(nodes);
+  std::vector<bool> ring = nodes;
+  for (const ClothLink& link : mesh_.stretch) {
+    if (nodes[link.a]) ring[link.b] = true;
+    if (nodes[link.b]) ring[link.a] = true;
+  }
+  beside_ = stretch_.PacketsAt(ring);
 }
 
 void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h) {
@@ -527,6 +532,7 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
   const float tension = static_cast<float>(solver_.stretch_compliance_m_N) / (h * h);
   for (int k = 0; k < kBesideSweeps && !beside_.empty(); ++k) {
     SolveHold(h, X_WT);
+    Tether(h, X_WT);
     stretch_.Solve({tension, 0, true, false, {}}, beside_, state_.stretch_set, x_);
   }
   LoseWhatSlippedOut();

@@ -52,10 +52,12 @@ mouth_labels = 11
 A_th = 18000
 A_oth = 200
 A_flat = 25000
+[primitives.pick_place]
+room_m2 = 0
 [primitives]
 settle_s = 0.5
 )";
-constexpr int kMostSeeds = 8;
+constexpr int kMostSeeds = 16;
 constexpr auto kPatience = std::chrono::minutes(5);
 
 struct Exit {
