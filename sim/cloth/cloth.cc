@@ -330,8 +330,8 @@ void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
   ListBeside(shapes);
 }
 
-// Yarns at what is held or near a kinematic body, and what shares a packet with them; a loose cube
-// is too light to stretch any.
+// Yarns at what is held or near a kinematic body, one ring round them (the stretch would only move
+// there), and what shares a packet with these; a loose cube is too light to stretch any.
 void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
   beside_.clear();
   bool any = !state_.held.empty();
