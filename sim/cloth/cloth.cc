@@ -441,12 +441,16 @@ void Cloth::MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates
   }
 }
 
+Vec3f Cloth::At(const HeldPoint& held) const {
+  return held.weight[0] * At(held.node[0]) + held.weight[1] * At(held.node[1]) +
+         held.weight[2] * At(held.node[2]);
+}
+
 void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
   const float per_h2 = 1.0f / (h * h);
   for (std::size_t i = 0; i < state_.held.size(); ++i) {
     HeldPoint& held = state_.held[i];
-    const Vec3f p = held.weight[0] * At(held.node[0]) + held.weight[1] * At(held.node[1]) +
-                    held.weight[2] * At(held.node[2]);
+    const Vec3f p = At(held);
     float w = 0;
     for (int k = 0; k < 3; ++k) w += held.weight[k] * held.weight[k] * inv_mass_[held.node[k]];
     const Vec3f target = X_WT * held.p_T;
@@ -464,6 +468,18 @@ void Cloth::SolveHold(float h, const Eigen::Isometry3f& X_WT) {
     if (slips) held.p_T = X_WT.inverse() * (p + push * w);
     held_N_[i] = given_N;
     hold_force_N_ -= push * per_h2;
+  }
+}
+
+// Contact has the last word: layers cannot be where the pads want them if they would have to pass
+// through each other, so what contact moved from `wanted` by more than half a thickness (pads give
+// as much) slips along. By most_m at most, for nodes of a zone are moved for the sake of others.
+void Cloth::YieldHold(const Vec3Array& wanted, float most_m, const Eigen::Isometry3f& X_WT) {
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const Vec3f moved = At(state_.held[i]) - wanted[i];
+    const float length = moved.norm(), beyond = length - 0.5f * mesh_.thickness_m;
+    if (beyond <= 0) continue;
+    state_.held[i].p_T += X_WT.linear().transpose() * moved * (std::min(beyond, most_m) / length);
   }
 }
 
@@ -537,7 +553,10 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
   }
   LoseWhatSlippedOut();
   const float floor = 0.5f * mesh_.thickness_m;
+  Vec3Array wanted;
+  for (const HeldPoint& held : state_.held) wanted.push_back(At(held));
   contact_.Enforce(x_prev_, inv_mass_, h, floor, x_);
+  YieldHold(wanted, static_cast<float>(solver_.separation_speed_m_s) * h, X_WT);
   const float per_h = 1.0f / h;
   for (std::size_t i = 0; i < x_.size(); ++i) {
     v_[i] = (x_[i] - x_prev_[i]) * per_h;

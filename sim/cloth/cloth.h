@@ -46,14 +46,12 @@ struct PadGap {
   float height_m = 0.0375f;
 };
 
-/// A cloth stepped by extended position-based dynamics in small substeps
-/// (Macklin, Mueller, Chentanez 2016; Macklin et al. 2019): bending and air as
-/// forces, yarns as constraints, contact with itself, a table at z = 0 and
-/// rigid shapes, a gripper's hold with a force limit.
+/// A cloth stepped by extended position-based dynamics in small substeps (Macklin, Mueller,
+/// Chentanez 2016; Macklin et al. 2019): bending and air as forces, yarns as constraints, contact
+/// with itself, a table at z = 0 and rigid shapes, a gripper's hold with a force limit.
 class Cloth {
  public:
-  /// @throws InputError if the material cannot be stepped stably with the
-  /// solver's settings.
+  /// @throws InputError if the material cannot be stepped stably with the solver's settings.
   Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solver);
   Cloth(const Cloth&) = delete;
 
@@ -106,6 +104,7 @@ class Cloth {
   };
 
   Vec3f At(std::size_t node) const { return x_[node].head<3>(); }
+  Vec3f At(const HeldPoint& held) const;
   void PackBends();
   void ApplyBending(float h);
   void MeasureAir();
@@ -115,6 +114,7 @@ class Cloth {
   void SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h);
   void MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates) const;
   void SolveHold(float h, const Eigen::Isometry3f& X_WT);
+  void YieldHold(const Vec3Array& wanted, float most_m, const Eigen::Isometry3f& X_WT);
   void LoseWhatSlippedOut();
   void MeasureTethers();
   void FindCandidates(const std::vector<RigidShape>& shapes);

@@ -40,7 +40,7 @@ using testing::HasSubstr;
 constexpr const char* kConfig = R"(
 [train]
 steps = 2
-pool_min = 1
+pool_min = 2
 max_extra_actions = 8
 [bag]
 nodes_across = 10
