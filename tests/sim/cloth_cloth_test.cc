@@ -111,6 +111,34 @@ TEST(Cloth, SlipsOutOfAHoldWeakerThanItsWeight) {
   EXPECT_EQ(bench.Crossings(), 0);
 }
 
+// Pads that want the lower layer above the upper one cannot have that, and do not go on pulling.
+TEST(Cloth, HeldLayersSlipRatherThanPassThroughEachOther) {
+  Bench bench(true);
+  bench.Run(0.3);
+  bench.GrabAt({0.05f, 0.05f, 0}, 100);
+  bench.Run(0.5, Vec3f(0, 0, 0.4f));
+  ClothState state = bench.cloth.state();
+  int of_layer[2] = {0, 0};
+  for (HeldPoint& held : state.held) {
+    ++of_layer[held.layer];
+    // The tool's z axis points down; past the fingertips nothing is held.
+    if (held.layer == 0) held.p_T.z() -= 0.010f;
+  }
+  ASSERT_GT(of_layer[0], 0);
+  ASSERT_GT(of_layer[1], 0);
+  bench.cloth.SetState(state);
+  bench.Run(0.5);
+  EXPECT_EQ(bench.cloth.state().held.size(), state.held.size());
+  EXPECT_EQ(bench.Crossings(), 0);
+  // Pads give half a thickness, contact keeps the layers one apart.
+  const float most_m = 2 * bench.cloth.mesh().thickness_m;
+  for (const HeldPoint& held : bench.cloth.state().held) {
+    Vec3f is = Vec3f::Zero();
+    for (int k = 0; k < 3; ++k) is += held.weight[k] * bench.cloth.state().x[held.node[k]];
+    EXPECT_LT((is - bench.X_WT * held.p_T).norm(), most_m);
+  }
+}
+
 // m g = 1/2 rho C A v^2: at that speed the air carries the sheet. Its heavier hem tips it over
 // later, so this looks at the first 0.1 s, in which a sheet without air would gain 1 m/s.
 TEST(Cloth, FallsOnAtTheTerminalSpeedOfAPlate) {

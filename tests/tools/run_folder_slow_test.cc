@@ -57,7 +57,7 @@ room_m2 = 0
 [primitives]
 settle_s = 0.5
 )";
-constexpr int kMostSeeds = 16;
+constexpr int kMostSeeds = 8;
 constexpr auto kPatience = std::chrono::minutes(5);
 
 struct Exit {
@@ -177,7 +177,7 @@ class TrainingRun : public testing::Test {
     dir_ = pattern;
     WriteFileAtomic(dir_ / "coarse.toml", kConfig);
     ::setenv("GUSSET_CACHE", (dir_ / "cache").c_str(), 1);
-    // Not every seed's bags come through all states within so few actions.
+    // Not every seed's bags come through all states within so few actions, nor need extra ones.
     for (seed_ = 1; seed_ <= kMostSeeds; ++seed_) {
       const fs::path run = dir_ / ("unbroken" + std::to_string(seed_));
       if (Program(New(run), dir_ / "err").Wait().code != 0) continue;
@@ -191,7 +191,8 @@ class TrainingRun : public testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(dir_); }
   void SetUp() override {
-    ASSERT_FALSE(unbroken_.empty()) << "no seed up to " << kMostSeeds << " came through all states";
+    ASSERT_FALSE(unbroken_.empty())
+        << "no seed up to " << kMostSeeds << " came through all states with extra actions";
   }
 
   static std::vector<std::string> New(const fs::path& run, int jobs = 1) {
