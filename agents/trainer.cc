@@ -48,7 +48,7 @@ struct Trial {
   Mode mode = Mode::kExplore;
   Decision decision;
   Outcome outcome;
-  double wall_s = 0;
+  double wall_s = 0;         // from the snapshot on: world, looks, physics
   bool looked = false;       // percept is known
   std::exception_ptr error;  // why there is no outcome
 };
@@ -265,7 +265,6 @@ class Trainer {
   }
 
   void Try(Environment& environment, const Plan& plan, Trial& trial) const {
-    const Clock::time_point start = Clock::now();
     trial.mode = plan.extra ? Mode::kGreedy : Mode::kExplore;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = plan.SeedIndex(attempt);
@@ -282,6 +281,7 @@ class Trainer {
       }
       trial.sensor_seed = Seed("sensor", index);
       trial.agent_seed = Seed("agent", index);
+      const Clock::time_point start = Clock::now();
       trial.percept = environment.Begin(snapshot, trial.sensor_seed);
       spdlog::debug("step {} of s{}, attempt {}: seen as s{}", plan.index, plan.state, attempt,
                     trial.percept.state);
@@ -327,7 +327,6 @@ class Trainer {
   }
 
   void TryChained(Environment& environment, Trial& trial) {
-    const Clock::time_point start = Clock::now();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = Plan{kAnyState, false, progress_.actions, 0}.SeedIndex(attempt);
       Snapshot snapshot;
@@ -341,6 +340,7 @@ class Trainer {
       }
       trial.sensor_seed = Seed("sensor", index);
       trial.agent_seed = Seed("agent", index);
+      const Clock::time_point start = Clock::now();
       trial.percept = environment.Begin(snapshot, trial.sensor_seed);
       if (trial.percept.state >= states()) continue;
       const bool full = progress_.learnt[At(trial.percept.state)] >= config_.steps;

@@ -12,7 +12,7 @@ void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3
   const Eigen::Vector3d apart = mouth.Apart_W();
   if (apart.norm() < config.lips_apart_m) return;
   const Eigen::Vector3d outward = mouth.Outward_W();
-  const Eigen::Vector3d grasp = mouth.drawn_W + config.lip_inset_m * outward;
+  const Eigen::Vector3d grasp = mouth.drawn_W - config.lip_behind_m * outward;
   const Eigen::Vector3d to = grasp + apart + config.lip_over_m * outward;
   ScratchDrag(tool, grasp, to, closing_W, drag, motion);
 }

@@ -12,7 +12,8 @@ namespace gusset {
 /// the fingertips; all tuned.
 struct CloseCarryConfig {
   double lips_apart_m = 0.03;   ///< Lips farther apart than this are brought together first:
-  double lip_inset_m = 0.015;   ///< the drawn one, grasped so far from its edge, is laid ...
+  double lip_behind_m = 0.012;  ///< the drawn one, grasped so far behind where its labels are, so
+                                ///< that the fingers miss the cube before it, is laid ...
   double lip_over_m = 0.01;     ///< ... so far beyond the other.
   double rim_inset_m = 0.02;    ///< The bag is grasped no deeper than so far behind the near lip.
   double rim_aside_m = 0.03;    ///< ... and no farther aside from its middle.
@@ -28,7 +29,7 @@ struct CloseCarryConfig {
   template <class V>
   void Fields(V& v) {
     v("lips_apart_m", lips_apart_m, Range{0, 1});
-    v("lip_inset_m", lip_inset_m, Range{0, 0.05});
+    v("lip_behind_m", lip_behind_m, Range{-0.05, 0.05});
     v("lip_over_m", lip_over_m, Range{-0.05, 0.05});
     v("rim_inset_m", rim_inset_m, Range{0, 1});
     v("rim_aside_m", rim_aside_m, Range{0, 1});

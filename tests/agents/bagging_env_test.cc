@@ -343,6 +343,10 @@ TEST_F(BaggingEnvTest, CloseCarryFirstDrawsTheLipsTogetherIfTheyAreApart) {
   const Eigen::Vector2d drawn = (path[2] - path[0]).head<2>();
   EXPECT_NEAR(drawn.norm(), apart.norm() + config_.close_carry.lip_over_m, 1e-9);
   EXPECT_NEAR(drawn.normalized().dot(apart.normalized()), 1, 1e-9);
+  // Pads 22 mm wide (2F-85 manual), closing along the lip, do not seize what lies before it.
+  const Eigen::Vector2d grasped = path[0].head<2>();
+  const double behind = (lips.drawn.p_W.head<2>() - grasped).dot(apart.normalized());
+  EXPECT_GE(behind, 0.011);
 }
 
 TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {
