@@ -505,10 +505,10 @@ void Cloth::Tether(float h, const Eigen::Isometry3f& X_WT) {
   float left_N = state_.hold_limit_N - tethered_N_;
   for (const Vec3f& force : held_N_) left_N -= force.norm();
   const float per_h2 = 1.0f / (h * h);
+  Vec3Array anchors;
+  for (const HeldPoint& held : state_.held) anchors.push_back(X_WT * held.p_T);
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    const HeldPoint& held = state_.held[state_.tether_to[i]];
-    const Vec3f anchor = X_WT * held.p_T;
-    const Vec3f d = At(i) - anchor;
+    const Vec3f d = At(i) - anchors[state_.tether_to[i]];
     const float length2 = d.squaredNorm(), most = state_.tether_m[i];
     if (length2 <= most * most) continue;
     const float length = std::sqrt(length2);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <list>
 #include <set>
+#include <stdexcept>
 #include <type_traits>
 
 #include "sim/cloth/packing.h"
@@ -57,6 +58,9 @@ LinkSolver::LinkSolver(const std::vector<ClothLink>& links, const std::vector<fl
     // An empty lane writes back what it reads, so its nodes must be nobody
     // else's in the packet.
     for (int spare = 0, k = filled; k < 4; ++spare) {
+      if (spare == static_cast<int>(inv_mass.size())) {
+        throw std::invalid_argument("LinkSolver: too few nodes to fill the lanes of a packet");
+      }
       if (used.count(spare)) continue;
       packet.a[k] = packet.b[k] = static_cast<std::uint16_t>(spare);
       packet.lane[k] = packet.lane[0];

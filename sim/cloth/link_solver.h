@@ -17,6 +17,7 @@ namespace gusset {
 /// may be reordered without changing a bit.
 class LinkSolver {
  public:
+  /// Throws std::invalid_argument if there are fewer nodes than four lanes need: eight always do.
   LinkSolver(const std::vector<ClothLink>& links, const std::vector<float>& inv_mass);
 
   /// Internal friction: a spring beside the compliant one, which slips (Prandtl's element).

@@ -26,6 +26,13 @@ PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh) {
   rows_ = static_cast<int>(mesh.patch_rows.size()) / mesh.layers;
   columns_ = static_cast<int>(mesh.patch_rows.front().size());
   for (const auto& row : mesh.patch_rows) patches_.insert(patches_.end(), row.begin(), row.end());
+  std::vector<int> layers_at(mesh.rest.size(), 0), last_layer(mesh.rest.size(), -1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const int n : mesh.triangles[t]) {
+      layers_at[n] += last_layer[n] != mesh.triangle_layer[t];
+      last_layer[n] = mesh.triangle_layer[t];
+    }
+  }
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     const ClothPatch& patch = patches_[i];
     const int row = static_cast<int>(i) / columns_;
@@ -33,6 +40,9 @@ PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh) {
     elements.layer = static_cast<std::uint16_t>(row / rows_);
     elements.row = static_cast<std::uint16_t>(row);
     elements.column = static_cast<std::uint16_t>(static_cast<int>(i) % columns_);
+    for (const int t : patch.triangles) {
+      for (const int n : mesh.triangles[t]) elements.sewn |= layers_at[n] > 1;
+    }
     for (const int n : patch.nodes) {
       elements.node[elements.node_count++] = static_cast<std::uint16_t>(n);
     }
@@ -86,7 +96,12 @@ bool PairSearch::AreNeighbours(int a, int b) const {
 
 bool PairSearch::Share(int node, int triangle) const {
   const auto& t = mesh_.triangles[triangle];
-  return node == t[0] || node == t[1] || node == t[2];
+  return (node == t[0]) | (node == t[1]) | (node == t[2]);
+}
+
+bool PairSearch::ShareEnd(int edge, int other) const {
+  const auto &p = mesh_.edges[edge], &q = mesh_.edges[other];
+  return (p[0] == q[0]) | (p[0] == q[1]) | (p[1] == q[0]) | (p[1] == q[1]);
 }
 
 void PairSearch::ListNeighbours() {
@@ -100,8 +115,7 @@ void PairSearch::ListNeighbours() {
     }
   };
   const auto add_edges = [&](int e, int f) {
-    const auto &p = mesh_.edges[e], &q = mesh_.edges[f];
-    if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) return;
+    if (ShareEnd(e, f)) return;
     near_edges_.push_back({static_cast<std::uint16_t>(e), static_cast<std::uint16_t>(f)});
   };
   const int count = static_cast<int>(patches_.size());
@@ -175,7 +189,14 @@ void PairSearch::Cross(int a, int b) {
 void PairSearch::CrossOverlapping(int a, int b) {
   const TreeNode &na = tree_[a], &nb = tree_[b];
   if (na.patch >= 0 && nb.patch >= 0) {
-    if (!AreNeighbours(na.patch, nb.patch)) Patches(na.patch, nb.patch);
+    if (AreNeighbours(na.patch, nb.patch)) return;
+    // Patches of one layer that do not adjoin share no node.
+    const PatchElements &p = elements_[na.patch], &q = elements_[nb.patch];
+    if (p.sewn && q.sewn) {
+      Patches<true>(p, q);
+    } else {
+      Patches<false>(p, q);
+    }
   } else if (nb.patch >= 0 || (na.patch < 0 && a > b)) {
     Cross(na.left, b);
     Cross(na.right, b);
@@ -185,57 +206,60 @@ void PairSearch::CrossOverlapping(int a, int b) {
   }
 }
 
-void PairSearch::Patches(int a, int b) {
-  const auto nodes = [&](const PatchElements& p, const PatchElements& q) {
-    for (int i = 0; i < p.node_count; ++i) {
-      const int n = p.node[i];
-      for (const int t : q.triangle) {
-        if (!node_box_[n].Overlaps(triangle_box_[t]) || Share(n, t)) continue;
-        maybe_node_triangle_.push_back(
-            {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(t)});
+// `may_share`: some of their elements may have nodes in common, and such do not count.
+template <bool may_share>
+void PairSearch::Patches(const PatchElements& p, const PatchElements& q) {
+  maybe_node_triangle_.Expect(2 * (p.node_count + q.node_count));
+  const auto nodes = [&](const PatchElements& of, const PatchElements& with) {
+    for (int i = 0; i < of.node_count; ++i) {
+      const std::uint16_t n = of.node[i];
+      for (const std::uint16_t t : with.triangle) {
+        const bool touch = node_box_[n].Overlaps(triangle_box_[t]);
+        maybe_node_triangle_.Offer({n, t}, touch & !(may_share && Share(n, t)));
       }
     }
   };
-  const PatchElements &p = elements_[a], &q = elements_[b];
   nodes(p, q);
   nodes(q, p);
+  maybe_edges_.Expect(p.edge_count * q.edge_count);
   for (int i = 0; i < p.edge_count; ++i) {
-    const int e = p.edge[i];
+    const std::uint16_t e = p.edge[i];
     for (int j = 0; j < q.edge_count; ++j) {
-      const int f = q.edge[j];
-      if (!edge_box_[e].Overlaps(edge_box_[f])) continue;
-      const auto &u = mesh_.edges[e], &v = mesh_.edges[f];
-      if (u[0] == v[0] || u[0] == v[1] || u[1] == v[0] || u[1] == v[1]) continue;
-      maybe_edges_.push_back({static_cast<std::uint16_t>(e), static_cast<std::uint16_t>(f)});
+      const std::uint16_t f = q.edge[j];
+      const bool touch = edge_box_[e].Overlaps(edge_box_[f]);
+      maybe_edges_.Offer({e, f}, touch & !(may_share && ShareEnd(e, f)));
     }
   }
 }
 
-void PairSearch::Find(const MotionForecast& forecast, std::vector<ElementPair>& node_triangle,
-                      std::vector<ElementPair>& edge_edge) {
+void PairSearch::Find(const MotionForecast& forecast, Sieve<ElementPair>& node_triangle,
+                      Sieve<ElementPair>& edge_edge) {
   Refit(forecast);
-  maybe_node_triangle_.clear();
-  maybe_edges_.clear();
+  maybe_node_triangle_.Clear();
+  maybe_edges_.Clear();
+  maybe_node_triangle_.Expect(near_node_triangle_.size());
   for (const IdPair& p : near_node_triangle_) {
-    if (node_box_[p[0]].Overlaps(triangle_box_[p[1]])) maybe_node_triangle_.push_back(p);
+    maybe_node_triangle_.Offer(p, node_box_[p[0]].Overlaps(triangle_box_[p[1]]));
   }
+  maybe_edges_.Expect(near_edges_.size());
   for (const IdPair& p : near_edges_) {
-    if (edge_box_[p[0]].Overlaps(edge_box_[p[1]])) maybe_edges_.push_back(p);
+    maybe_edges_.Offer(p, edge_box_[p[0]].Overlaps(edge_box_[p[1]]));
   }
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     Self(roots_[i]);
     for (std::size_t j = i + 1; j < roots_.size(); ++j) Cross(roots_[i], roots_[j]);
   }
-  node_triangle.clear();
-  edge_edge.clear();
+  node_triangle.Clear();
+  edge_edge.Clear();
   MeasureNodeTriangle(forecast, node_triangle);
   MeasureEdgeEdge(forecast, edge_edge);
 }
 
 void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
-                                     std::vector<ElementPair>& out) const {
+                                     Sieve<ElementPair>& out) const {
   const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
   const std::size_t count = maybe_node_triangle_.size();
+  out.Expect(count);
   for (std::size_t i = 0; i < count; i += 4) {
     std::array<std::array<int, 4>, 4> n;  // [corner][lane]; node first
     for (std::size_t lane = 0; lane < 4; ++lane) {
@@ -277,25 +301,23 @@ void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
     w.b.Store(wb);
     w.c.Store(wc);
     for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
-      if (!(keep >> lane & 1)) continue;
       const int triangle = maybe_node_triangle_[i + lane][1];
       const bool guard = (beside >> lane & 1) && !Owns(triangle, {wa[lane], wb[lane], wc[lane]});
-      if (guard && !(watch >> lane & 1)) continue;
-      out.push_back(
-          {{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
-            static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
-           d[lane],
-           static_cast<std::uint16_t>(triangle),
-           false,
-           guard});
+      out.Offer({{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
+                  static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
+                 d[lane],
+                 static_cast<std::uint16_t>(triangle),
+                 false,
+                 guard},
+                (guard ? watch : keep) >> lane & 1);
     }
   }
 }
 
-void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast,
-                                 std::vector<ElementPair>& out) const {
+void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPair>& out) const {
   const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
   const std::size_t count = maybe_edges_.size();
+  out.Expect(count);
   for (std::size_t i = 0; i < count; i += 4) {
     std::array<std::array<int, 4>, 4> n;  // [end][lane]
     for (std::size_t lane = 0; lane < 4; ++lane) {
@@ -329,14 +351,13 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast,
     alignas(16) float length[4];
     distance.Store(length);
     for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
-      if (!(keep >> lane & 1)) continue;
-      out.push_back(
-          {{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
-            static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
-           length[lane],
-           0,
-           true,
-           !(Bits(inner) >> lane & 1)});
+      out.Offer({{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
+                  static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
+                 length[lane],
+                 0,
+                 true,
+                 !(Bits(inner) >> lane & 1)},
+                keep >> lane & 1);
     }
   }
 }

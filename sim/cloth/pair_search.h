@@ -6,6 +6,7 @@
 
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/motion_forecast.h"
+#include "sim/cloth/sieve.h"
 
 namespace gusset {
 
@@ -34,8 +35,8 @@ class PairSearch {
 
   /// Node-triangle pairs and edge-edge pairs, in an order that depends on the
   /// mesh alone.
-  void Find(const MotionForecast& forecast, std::vector<ElementPair>& node_triangle,
-            std::vector<ElementPair>& edge_edge);
+  void Find(const MotionForecast& forecast, Sieve<ElementPair>& node_triangle,
+            Sieve<ElementPair>& edge_edge);
 
   /// True if `triangle` is the one that carries a contact at this point of it:
   /// a point on a border is closest for all triangles that share the border,
@@ -58,6 +59,7 @@ class PairSearch {
     std::array<std::uint16_t, 4> node;
     std::array<std::uint16_t, 5> edge;
     std::array<std::uint16_t, 2> triangle;
+    bool sewn;  ///< Has nodes that are another layer's too.
   };
   using IdPair = std::array<std::uint16_t, 2>;
 
@@ -67,11 +69,13 @@ class PairSearch {
   void Self(int node);
   void Cross(int a, int b);
   void CrossOverlapping(int a, int b);
-  void Patches(int a, int b);
+  template <bool may_share>
+  void Patches(const PatchElements& p, const PatchElements& q);
   bool AreNeighbours(int a, int b) const;
   bool Share(int node, int triangle) const;
-  void MeasureNodeTriangle(const MotionForecast& forecast, std::vector<ElementPair>& out) const;
-  void MeasureEdgeEdge(const MotionForecast& forecast, std::vector<ElementPair>& out) const;
+  bool ShareEnd(int edge, int other) const;
+  void MeasureNodeTriangle(const MotionForecast& forecast, Sieve<ElementPair>& out) const;
+  void MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPair>& out) const;
 
   const ClothMesh& mesh_;
   std::vector<ClothPatch> patches_;      ///< [layer][row][column].
@@ -86,7 +90,7 @@ class PairSearch {
   std::vector<std::uint8_t> owned_;
 
   std::vector<Box> node_box_, edge_box_, triangle_box_, tree_box_;
-  std::vector<IdPair> maybe_node_triangle_, maybe_edges_;  ///< Boxes touch.
+  Sieve<IdPair> maybe_node_triangle_, maybe_edges_;  ///< Boxes touch.
 };
 
 }  // namespace gusset

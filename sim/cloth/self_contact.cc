@@ -62,8 +62,8 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   }
   contacts_.clear();
   guards_.clear();
-  SelectFrom(node_triangle_, x);
-  SelectFrom(edge_edge_, x);
+  SelectFrom<false>(node_triangle_, x);
+  SelectFrom<true>(edge_edge_, x);
   force_count_ = contacts_.size();
   pushed_.assign((force_count_ + 63) / 64, 0);
   contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
@@ -72,43 +72,67 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   ++selections_;
 }
 
-void SelfContact::SelectFrom(const std::vector<ElementPair>& pairs, const Vec4Array& x) {
-  // Pairs whose distance can fall below what matters. An element's points move
-  // by a mean of its nodes' moves, so the largest difference of two nodes'
-  // moves bounds the change of distance.
+template <bool edges>
+void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x) {
+  // The largest difference of two nodes' moves, one of each element, by component: an element's
+  // points move by a mean of its nodes' moves, so this bounds the change of distance.
+  const auto widest = [](const std::array<Float4, 4>& p) {
+    const Float4 first = Max(Abs(p[0] - p[2]), Abs(p[0] - p[3]));
+    if (edges) return Max(first, Max(Abs(p[1] - p[2]), Abs(p[1] - p[3])));
+    return Max(first, Abs(p[0] - p[1]));
+  };
+  const auto nodes = [](const Vec4Array& of, const ElementPair& pair) {
+    const auto& n = pair.node;
+    return std::array<Float4, 4>{Vector(of[n[0]]), Vector(of[n[1]]), Vector(of[n[2]]),
+                                 Vector(of[n[3]])};
+  };
+  // Margins, in the fourth lane of to_, add up the other way round.
+  const auto margins = [](const std::array<Float4, 4>& q) {
+    const Float4 last = Max(q[2], q[3]);
+    return edges ? Max(q[0], q[1]) + last : q[0] + Max(q[1], last);
+  };
+  const float reach[2] = {thickness_m_, thickness_m_ * kGuardedShare};
+  // Pairs whose distance can fall below what matters, four at a time.
+  const Float4 xyz = Float4(1, 1, 1, 0) == Float4(1.0f);
+  near_pairs_.Clear();
+  near_pairs_.Expect(pairs.size() + 3);
+  for (std::size_t i = 0; i < pairs.size(); i += 4) {
+    const auto pair = [&](std::size_t k) -> const ElementPair& {
+      return pairs[std::min(i + k, pairs.size() - 1)];
+    };
+    Float4 move[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::array<Float4, 4> q = nodes(to_, pair(k));
+      move[k] = gusset::Select(xyz, Max(widest(nodes(from_, pair(k))), widest(q)), margins(q));
+    }
+    Transpose(move[0], move[1], move[2], move[3]);
+    const Float4 move2 = move[0] * move[0] + move[1] * move[1] + move[2] * move[2];
+    const Float4 distance(pair(0).distance_m, pair(1).distance_m, pair(2).distance_m,
+                          pair(3).distance_m);
+    const Float4 needed(reach[pair(0).guard], reach[pair(1).guard], reach[pair(2).guard],
+                        reach[pair(3).guard]);
+    const Float4 slack = distance - move[3] - needed;
+    const int far = Bits((Float4(0.0f) < slack) & (move2 < slack * slack));
+    for (std::size_t k = 0; k < 4; ++k) {
+      near_pairs_.Offer(static_cast<int>(i + k), !(far >> k & 1) & (i + k < pairs.size()));
+    }
+  }
   picked_.clear();
   approach_m_.clear();
-  const auto widest = [](Float4 a, Float4 b, Float4 c) { return Max(Abs(a), Max(Abs(b), Abs(c))); };
-  for (const ElementPair& pair : pairs) {
-    const auto& n = pair.node;
-    const Float4 p0 = Vector(from_[n[0]]), p1 = Vector(from_[n[1]]), p2 = Vector(from_[n[2]]),
-                 p3 = Vector(from_[n[3]]);
-    const Float4 q0 = Vector(to_[n[0]]), q1 = Vector(to_[n[1]]), q2 = Vector(to_[n[2]]),
-                 q3 = Vector(to_[n[3]]);
-    Float4 move = Max(widest(p0 - p2, p0 - p3, p0 - p1), widest(q0 - q2, q0 - q3, q0 - q1));
-    float margin;
-    if (pair.edges) {
-      move = Max(Max(Max(Abs(p0 - p2), Abs(p0 - p3)), Max(Abs(p1 - p2), Abs(p1 - p3))),
-                 Max(Max(Abs(q0 - q2), Abs(q0 - q3)), Max(Abs(q1 - q2), Abs(q1 - q3))));
-      margin = std::max(to_[n[0]][3], to_[n[1]][3]) + std::max(to_[n[2]][3], to_[n[3]][3]);
-    } else {
-      margin = to_[n[0]][3] + std::max(to_[n[1]][3], std::max(to_[n[2]][3], to_[n[3]][3]));
-    }
-    const float slack =
-        pair.distance_m - margin - thickness_m_ * (pair.guard ? kGuardedShare : 1.0f);
-    if (slack > 0 && Dot(move, move) < slack * slack) continue;
+  for (std::size_t i = 0; i < near_pairs_.size(); ++i) {
+    const ElementPair& pair = pairs[near_pairs_[i]];
     Contact c;
-    c.node = n;
+    c.node = pair.node;
     c.triangle = pair.triangle;
-    c.edges = pair.edges;
+    c.edges = edges;
     c.force = !pair.guard;
     picked_.push_back(c);
     // From here on, only the near forecast's own way counts.
-    const Float4 w0 = q0 - p0, w1 = q1 - p1, w2 = q2 - p2, w3 = q3 - p3;
-    const Float4 way = pair.edges
-                           ? Max(Max(Abs(w0 - w2), Abs(w0 - w3)), Max(Abs(w1 - w2), Abs(w1 - w3)))
-                           : widest(w0 - w1, w0 - w2, w0 - w3);
-    approach_m_.push_back(std::sqrt(Dot(way, way)) + margin);
+    const std::array<Float4, 4> p = nodes(from_, pair), q = nodes(to_, pair);
+    const Float4 way = widest({q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]});
+    alignas(16) float margin[4];
+    margins(q).Store(margin);
+    approach_m_.push_back(std::sqrt(Dot(way, way)) + margin[3]);
   }
   if (picked_.empty()) return;
   for (std::size_t i = 0; i < picked_.size(); i += 4) {
@@ -190,7 +214,9 @@ void SelfContact::SetPlane(std::size_t contact) {
   p.w1[k] = c.weight[1], p.w2[k] = c.weight[2], p.w3[k] = c.weight[3];
   p.edges[k] = c.edges ? 1.0f : 0.0f;
   p.gap[k] = p.clear[k] = c.gap_m;
-  AcceptedClearance(Lanes(p.clear)).Store(p.accepted.data());
+  alignas(16) float accepted[4];
+  AcceptedClearance(c.gap_m).Store(accepted);
+  p.accepted[k] = accepted[0];
   for (int j = 0; j < 4; ++j) p.node[j][k] = c.node[j];
 }
 

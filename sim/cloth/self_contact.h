@@ -85,7 +85,8 @@ class SelfContact {
 
   void Search(const Vec4Array& x, const Vec4Array& v);
   void Select(const Vec4Array& x, const Vec4Array& v);
-  void SelectFrom(const std::vector<ElementPair>& pairs, const Vec4Array& x);
+  template <bool edges>
+  void SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x);
   void SearchAlong(const Vec4Array& x_prev, const Vec4Array& x, float h, bool far);
   void Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const;
   void Measure(const Vec4Array& x);
@@ -105,10 +106,9 @@ class SelfContact {
   float friction_;
   PairSearch pair_search_;
   MotionForecast far_, near_;
-  std::array<float, 2> errors_ = {};  ///< Of far_ and near_.
-  bool errors_known_ = false;         ///< For x as it is.
-  std::vector<ElementPair> node_triangle_,
-      edge_edge_;                  ///< What may meet within far_.
+  std::array<float, 2> errors_ = {};              ///< Of far_ and near_.
+  bool errors_known_ = false;                     ///< For x as it is.
+  Sieve<ElementPair> node_triangle_, edge_edge_;  ///< What may meet within far_.
   std::vector<Contact> contacts_;  ///< What may meet within near_; first those that carry force.
   std::size_t force_count_ = 0;
   std::vector<std::uint64_t> pushed_;  ///< Bit i: contact i pushed in this substep.
@@ -117,6 +117,7 @@ class SelfContact {
   Vec4Array v_;
   Vec4Array from_, to_;  ///< Displacements since the search, now and at the near
                          ///< forecast's end.
+  Sieve<int> near_pairs_;
   std::vector<Contact> guards_, picked_;
   std::vector<float> approach_m_;
   std::vector<int> violated_;

@@ -92,5 +92,11 @@ TEST(InternalFriction, ABuckledLinkStaysShortIfFrictionIsTheStronger) {
   EXPECT_GT(LengthAfterPress(0.001), 0.0185) << "weaker friction gives way";
 }
 
+TEST(LinkSolver, RefusesFewerNodesThanItsLanesNeed) {
+  const std::vector<ClothLink> one = {{0, 1, 0.020f}};
+  EXPECT_NO_THROW(LinkSolver(one, std::vector<float>(5, 1.0f)));
+  EXPECT_THROW(LinkSolver(one, std::vector<float>(4, 1.0f)), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace gusset
