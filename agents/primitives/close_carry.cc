@@ -6,17 +6,6 @@
 namespace gusset {
 namespace {
 
-void DrawLipsTogether(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& closing_W,
-                      const CloseCarryConfig& config, const ScratchDragConfig& drag,
-                      const MotionConfig& motion) {
-  const Eigen::Vector3d apart = mouth.Apart_W();
-  if (apart.norm() < config.lips_apart_m) return;
-  const Eigen::Vector3d outward = mouth.Outward_W();
-  const Eigen::Vector3d grasp = mouth.drawn_W - config.lip_behind_m * outward;
-  const Eigen::Vector3d to = grasp + apart + config.lip_over_m * outward;
-  ScratchDrag(tool, grasp, to, closing_W, drag, motion);
-}
-
 // A bag that is held far behind its mouth, or by a corner of it, tips over and loses what is in it.
 Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
                          const CloseCarryConfig& config) {
@@ -33,7 +22,9 @@ Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
                 const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
                 const ScratchDragConfig& drag, const MotionConfig& motion) {
-  if (mouth) DrawLipsTogether(tool, *mouth, closing_W, config, drag, motion);
+  if (mouth && mouth->Apart_W().norm() >= config.lips_apart_m) {
+    LayLipOver(tool, *mouth, -config.lip_behind_m, config.lip_over_m, closing_W, drag, motion);
+  }
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
 
   tool.Fingers(config.opening_m);

@@ -9,17 +9,15 @@ namespace {
 // of them drawn back widens, or a corner of the bag folded over, which is laid back.
 void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
           const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  const Eigen::Vector3d apart = mouth.Apart_W();
-  if (apart.dot(mouth.rim_outward_W) < config.folded_m) {
+  if (mouth.Apart_W().dot(mouth.rim_outward_W) < config.folded_m) {
     tool.Note("slit widened instead");
     const Eigen::Vector3d inward = -mouth.rim_outward_W;
     const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * inward;
     ScratchDrag(tool, grasp, grasp + config.widen_m * inward, LeftOf(inward), scratch, motion);
   } else {
     tool.Note("folded corner laid back instead");
-    const Eigen::Vector3d back = mouth.Outward_W();
-    const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * back;
-    ScratchDrag(tool, grasp, grasp + apart + config.over_m * back, LeftOf(back), scratch, motion);
+    LayLipOver(tool, mouth, config.grasp_inset_m, config.over_m, LeftOf(mouth.Outward_W()), scratch,
+               motion);
   }
 }
 

@@ -25,4 +25,12 @@ void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vect
   tool.Go(target(motion.approach_m), config.rise_speed_m_s);
 }
 
+void LayLipOver(ToolMotion& tool, const Mouth& mouth, double grasp_before_m, double over_m,
+                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
+                const MotionConfig& motion) {
+  const Eigen::Vector3d outward = mouth.Outward_W();
+  const Eigen::Vector3d grasp = mouth.drawn_W + grasp_before_m * outward;
+  ScratchDrag(tool, grasp, grasp + mouth.Apart_W() + over_m * outward, along_W, config, motion);
+}
+
 }  // namespace gusset

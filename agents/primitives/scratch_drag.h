@@ -1,5 +1,6 @@
 #pragma once
 
+#include "agents/primitives/mouth.h"
 #include "agents/primitives/tool_motion.h"
 
 namespace gusset {
@@ -39,5 +40,13 @@ struct ScratchDragConfig {
 void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion);
+
+/// Lays the drawn lip over the near one by the same means.
+/// @param grasp_before_m grasps the lip so far before its labels, as the mouth looks; negative:
+///        behind them.
+/// @param over_m lays it so far beyond the near lip.
+void LayLipOver(ToolMotion& tool, const Mouth& mouth, double grasp_before_m, double over_m,
+                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
+                const MotionConfig& motion);
 
 }  // namespace gusset

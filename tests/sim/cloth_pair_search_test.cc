@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -13,39 +12,45 @@ namespace {
 
 using Nodes = std::array<std::uint16_t, 4>;
 
-// A bag rolled up along a spiral whose turns are 4 mm apart, shaken by a millimetre: layers and
-// turns everywhere within reach of each other, no two nodes of them in one place.
-Vec4Array Rolled(const ClothMesh& mesh, std::uint64_t seed) {
+constexpr float kMargin_m = 0.001f;
+
+// Nodes anywhere in a cube of 0.1 m: elements of all layers and rows, adjoining ones too, within
+// reach of each other.
+Vec4Array Scattered(const ClothMesh& mesh, std::uint64_t seed) {
   Rng rng(seed);
+  const auto draw = [&] { return static_cast<float>(rng.Uniform(-0.05, 0.05)); };
   Vec4Array x;
-  for (const Eigen::Vector3f& p : mesh.rest) {
-    const float angle = std::sqrt(2 * p.y() / 0.00064f + 100);
-    const float radius = 0.00064f * angle + p.z();
-    const auto shake = [&] { return static_cast<float>(rng.Uniform(-0.0005, 0.0005)); };
-    const float u = p.x() + shake(), v = radius * std::cos(angle) + shake();
-    x.emplace_back(u, v, radius * std::sin(angle) + shake(), 0.0f);
+  for (int i = 0; i < mesh.node_count(); ++i) {
+    const float u = draw(), v = draw(), w = draw();
+    x.emplace_back(u, v, w, 0.0f);
   }
   return x;
 }
 
-struct Lists {
-  std::map<Nodes, float> node_triangle, edge_edge;  // distances
+struct Pair {
+  float distance_m;
+  bool guard, inner;  ///< inner: the closest points are no border points.
 };
 
-Lists Found(const ClothMesh& mesh, const Vec4Array& x, float margin_m) {
+struct Lists {
+  std::map<Nodes, Pair> node_triangle, edge_edge;
+};
+
+// What the search lists for a cloth at rest whose nodes may be off by kMargin_m.
+Lists Found(const ClothMesh& mesh, const Vec4Array& x) {
   MotionForecast still;
-  still.Start({0.01f, margin_m, 0, 0}, x, Vec4Array(x.size(), Vec4f::Zero()));
+  still.Start({0.01f, kMargin_m, 0, 0}, x, Vec4Array(x.size(), Vec4f::Zero()));
   Sieve<ElementPair> node_triangle, edge_edge;
   PairSearch(mesh).Find(still, node_triangle, edge_edge);
   Lists lists;
-  for (std::size_t i = 0; i < node_triangle.size(); ++i) {
-    lists.node_triangle[node_triangle[i].node] = node_triangle[i].distance_m;
-  }
-  for (std::size_t i = 0; i < edge_edge.size(); ++i) {
-    lists.edge_edge[edge_edge[i].node] = edge_edge[i].distance_m;
-  }
-  EXPECT_EQ(lists.node_triangle.size(), node_triangle.size()) << "a pair is listed twice";
-  EXPECT_EQ(lists.edge_edge.size(), edge_edge.size()) << "a pair is listed twice";
+  const auto copy = [](const Sieve<ElementPair>& from, std::map<Nodes, Pair>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      to[from[i].node] = {from[i].distance_m, from[i].guard, false};
+    }
+    EXPECT_EQ(to.size(), from.size()) << "a pair is listed twice";
+  };
+  copy(node_triangle, lists.node_triangle);
+  copy(edge_edge, lists.edge_edge);
   return lists;
 }
 
@@ -57,83 +62,86 @@ float First(Float4 v) {
 
 Vec3x4 Everywhere(const Vec4f& p) { return {p.x(), p.y(), p.z()}; }
 
-// Every node against every triangle, every edge against every edge.
-Lists All(const ClothMesh& mesh, const Vec4Array& x, float reach_m) {
+// Every node against every triangle, every edge against every edge, that share no node.
+Lists All(const ClothMesh& mesh, const Vec4Array& x) {
   Lists lists;
   const auto id = [](int n) { return static_cast<std::uint16_t>(n); };
   for (int n = 0; n < mesh.node_count(); ++n) {
     for (const auto& t : mesh.triangles) {
       if (n == t[0] || n == t[1] || n == t[2]) continue;
-      const Barycentric4 w = ClosestOnTriangle(Everywhere(x[n]), Everywhere(x[t[0]]),
-                                               Everywhere(x[t[1]]), Everywhere(x[t[2]]));
-      // What lies beside a triangle may be a neighbour's.
-      if (First(w.a) <= 0 || First(w.b) <= 0 || First(w.c) <= 0) continue;
-      const Vec4f gap = x[n] - First(w.a) * x[t[0]] - First(w.b) * x[t[1]] - First(w.c) * x[t[2]];
-      if (gap.norm() < reach_m) {
-        lists.node_triangle[{id(n), id(t[0]), id(t[1]), id(t[2])}] = gap.norm();
-      }
+      const Barycentric4 at = ClosestOnTriangle(Everywhere(x[n]), Everywhere(x[t[0]]),
+                                                Everywhere(x[t[1]]), Everywhere(x[t[2]]));
+      const float a = First(at.a), b = First(at.b), c = First(at.c);
+      const Vec4f gap = x[n] - a * x[t[0]] - b * x[t[1]] - c * x[t[2]];
+      lists.node_triangle[{id(n), id(t[0]), id(t[1]), id(t[2])}] = {gap.norm(), false,
+                                                                    a > 0 && b > 0 && c > 0};
     }
   }
   for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
     for (std::size_t j = i + 1; j < mesh.edges.size(); ++j) {
       const auto &p = mesh.edges[i], &q = mesh.edges[j];
       if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) continue;
-      const Vec4f middle = 0.5f * (x[p[0]] + x[p[1]] - x[q[0]] - x[q[1]]);
-      if (middle.norm() > 0.06f) continue;  // no edge is longer than that
-      const SegmentPoints4 w = ClosestOnSegments(Everywhere(x[p[0]]), Everywhere(x[p[1]]),
-                                                 Everywhere(x[q[0]]), Everywhere(x[q[1]]));
-      const float s = First(w.s), t = First(w.t);
-      if (s <= 0 || s >= 1 || t <= 0 || t >= 1) continue;
+      const SegmentPoints4 at = ClosestOnSegments(Everywhere(x[p[0]]), Everywhere(x[p[1]]),
+                                                  Everywhere(x[q[0]]), Everywhere(x[q[1]]));
+      const float s = First(at.s), t = First(at.t);
       const Vec4f gap = x[p[0]] + s * (x[p[1]] - x[p[0]]) - x[q[0]] - t * (x[q[1]] - x[q[0]]);
-      if (gap.norm() < reach_m) {
-        lists.edge_edge[{id(p[0]), id(p[1]), id(q[0]), id(q[1])}] = gap.norm();
-      }
+      lists.edge_edge[{id(p[0]), id(p[1]), id(q[0]), id(q[1])}] = {
+          gap.norm(), false, s > 0 && s < 1 && t > 0 && t < 1};
     }
   }
   return lists;
 }
 
 // As listed, or the other element first.
-const float* Find(const std::map<Nodes, float>& in, const Nodes& n) {
-  for (const Nodes& key : {n, Nodes{n[2], n[3], n[0], n[1]}}) {
-    if (const auto it = in.find(key); it != in.end()) return &it->second;
-  }
-  return nullptr;
+const Pair* Find(const std::map<Nodes, Pair>& in, const Nodes& n, bool edges) {
+  auto it = in.find(n);
+  if (it == in.end() && edges) it = in.find({n[2], n[3], n[0], n[1]});
+  return it == in.end() ? nullptr : &it->second;
 }
 
-// The tree against all pairs: nothing within reach is missed, sewn borders included.
-TEST(PairSearch, FindsWhatComparingAllWithAllFinds) {
+// The tree against all pairs: what meets between borders is listed within a thickness and both
+// margins, what meets at a border within a fifth of the thickness, and nothing beyond.
+TEST(PairSearch, ListsWhatComparingAllWithAllFindsWithinReach) {
   BagConfig bag;
   bag.nodes_across = 12;
   const ClothMesh mesh = MakeBagMesh(bag);
-  constexpr float kMargin_m = 0.001f;
+  const float reach_m = mesh.thickness_m + 2 * kMargin_m;
+  const float guarded_m = kGuardedShare * mesh.thickness_m + 2 * kMargin_m;
   for (const std::uint64_t seed : {1, 2}) {
-    const Vec4Array x = Rolled(mesh, seed);
-    const Lists found = Found(mesh, x, kMargin_m);
-    const Lists all = All(mesh, x, mesh.thickness_m + 2 * kMargin_m - 1e-6f);
-    ASSERT_GT(all.node_triangle.size(), 100u);
-    ASSERT_GT(all.edge_edge.size(), 100u);
-    for (const auto& [nodes, distance] : all.node_triangle) {
-      const float* listed = Find(found.node_triangle, nodes);
-      ASSERT_NE(listed, nullptr) << nodes[0] << " against " << nodes[1];
-      EXPECT_NEAR(*listed, distance, 1e-6f);
-    }
-    for (const auto& [nodes, distance] : all.edge_edge) {
-      const float* listed = Find(found.edge_edge, nodes);
-      ASSERT_NE(listed, nullptr) << nodes[0] << " against " << nodes[2];
-      EXPECT_NEAR(*listed, distance, 1e-6f);
+    const Vec4Array x = Scattered(mesh, seed);
+    const Lists found = Found(mesh, x), all = All(mesh, x);
+    for (const bool edges : {false, true}) {
+      const auto& listed = edges ? found.edge_edge : found.node_triangle;
+      int inner = 0, border = 0, guards = 0;
+      for (const auto& [nodes, pair] : edges ? all.edge_edge : all.node_triangle) {
+        const bool near = pair.distance_m < (pair.inner ? reach_m : guarded_m) - 1e-6f;
+        const Pair* in_list = Find(listed, nodes, edges);
+        if (near) {
+          ASSERT_NE(in_list, nullptr) << nodes[0] << ' ' << nodes[1] << ' ' << nodes[2];
+          ++(pair.inner ? inner : border);
+        }
+        if (!in_list) continue;
+        guards += in_list->guard;
+        EXPECT_NEAR(in_list->distance_m, pair.distance_m, 1e-6f);
+        EXPECT_LT(pair.distance_m, (in_list->guard ? guarded_m : reach_m) + 1e-6f);
+        EXPECT_FALSE(in_list->guard && pair.inner) << "no other pair carries this contact's force";
+        if (edges) {
+          EXPECT_NE(in_list->guard, pair.inner);
+        }
+      }
+      EXPECT_GT(inner, 100);
+      EXPECT_GT(border, 100);
+      EXPECT_GT(guards, 100);
     }
   }
 }
 
-TEST(PairSearch, ListsNoElementsThatShareANodeAndNoneOutOfReach) {
+TEST(PairSearch, ListsNoElementsThatShareANode) {
   const ClothMesh mesh = MakeBagMesh({});
-  constexpr float kMargin_m = 0.001f;
-  const Lists found = Found(mesh, Rolled(mesh, 3), kMargin_m);
+  const Lists found = Found(mesh, Scattered(mesh, 3));
   for (const auto* list : {&found.node_triangle, &found.edge_edge}) {
-    for (const auto& [nodes, distance] : *list) {
+    for (const auto& [nodes, pair] : *list) {
       EXPECT_EQ(std::set<int>(nodes.begin(), nodes.end()).size(), 4u);
-      EXPECT_LT(distance, mesh.thickness_m + 2 * kMargin_m + 1e-6f);
     }
   }
 }
