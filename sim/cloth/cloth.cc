@@ -103,8 +103,8 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
   bend_force_ = ahead_ = air_;
   beyond_.resize(mesh_.rest.size());
   PackBends();
-  for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, 0, 0}, {1, 0, 0}, 1});
-  for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], 0}, {0.5f, 0.5f, 0}, 2});
+  for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, i, i}, {1, 0, 0}, 1});
+  for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], e[1]}, {0.5f, 0.5f, 0}, 2});
   for (const auto& t : mesh_.triangles) {
     samples_.push_back({{t[0], t[1], t[2]}, {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}, 3});
   }
@@ -318,9 +318,7 @@ void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
     }
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const Sample& m = samples_[i];
-      int beyond = beyond_[m.node[0]];
-      for (int k = 1; k < m.count; ++k) beyond &= beyond_[m.node[k]];
-      if (beyond != 0) continue;
+      if (beyond_[m.node[0]] & beyond_[m.node[1]] & beyond_[m.node[2]]) continue;
       Vec3f p = m.weight[0] * At(m.node[0]);
       for (int k = 1; k < m.count; ++k) p += m.weight[k] * At(m.node[k]);
       if ((p.array() < lo.array()).any() || (p.array() > hi.array()).any()) continue;
@@ -366,18 +364,18 @@ void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, fl
   for (const int index : candidates) {
     const Sample& m = samples_[index];
     Vec3f p = m.weight[0] * At(m.node[0]);
-    Vec3f p_prev = m.weight[0] * x_prev_[m.node[0]].head<3>();
-    float w = m.weight[0] * m.weight[0] * inv_mass_[m.node[0]];
-    for (int k = 1; k < m.count; ++k) {
-      p += m.weight[k] * At(m.node[k]);
-      p_prev += m.weight[k] * x_prev_[m.node[k]].head<3>();
-      w += m.weight[k] * m.weight[k] * inv_mass_[m.node[k]];
-    }
+    for (int k = 1; k < m.count; ++k) p += m.weight[k] * At(m.node[k]);
     const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
     if (ClearlyOff(shape, p_S, gap)) continue;
     Vec3f n_S;
     const float distance = SignedDistance(shape, p_S, n_S);
     if (distance >= gap) continue;
+    Vec3f p_prev = m.weight[0] * x_prev_[m.node[0]].head<3>();
+    float w = m.weight[0] * m.weight[0] * inv_mass_[m.node[0]];
+    for (int k = 1; k < m.count; ++k) {
+      p_prev += m.weight[k] * x_prev_[m.node[k]].head<3>();
+      w += m.weight[k] * m.weight[k] * inv_mass_[m.node[k]];
+    }
     // As between layers: approach is stopped at once, old overlap undone
     // slowly.
     const Vec3f p_S_prev = X_SW_prev * p_prev;

@@ -89,8 +89,8 @@ class Cloth {
   bool gravity_on = true;
 
  private:
-  struct Sample {  ///< A point of the cloth that rigid shapes are tested against.
-    std::array<int, 3> node;
+  struct Sample {             ///< A point of the cloth that rigid shapes are tested against.
+    std::array<int, 3> node;  ///< Past `count`: the last again.
     std::array<float, 3> weight;
     int count;
   };
