@@ -11,7 +11,6 @@
 namespace gusset {
 namespace {
 
-constexpr float kGravity = 9.81f;
 constexpr float kAirDensity_kg_m3 = 1.2f;  // dry air at 20 C and sea level
 // Internal friction before it slips, as a spring beside the elastic one: hysteresis loops of the
 // KES-FB2 test turn within a quarter of their half width.
@@ -250,10 +249,10 @@ void Cloth::Predict(float h) {
   ApplyBending(h);
   ApplyAir(h);
   const float keep = 1.0f - static_cast<float>(solver_.damping_per_s) * h;
-  const Vec4f fall(0, 0, gravity_on ? kGravity * h : 0.0f, 0);
+  const Vec4f dv(gravity_m_s2.x() * h, gravity_m_s2.y() * h, gravity_m_s2.z() * h, 0);
   x_prev_ = x_;
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    v_[i] = v_[i] * keep - fall;
+    v_[i] = v_[i] * keep + dv;
     x_[i] += v_[i] * h;
   }
 }

@@ -86,7 +86,7 @@ class Cloth {
   /// Largest stretch ratio of the yarns now, and the node where it is.
   float MaxStretch(int* where = nullptr) const;
   const SelfContact& contact() const { return contact_; }
-  bool gravity_on = true;
+  Vec3f gravity_m_s2{0, 0, -9.81f};  ///< World; tilting it tilts the table.
 
  private:
   struct Sample {             ///< A point of the cloth that rigid shapes are tested against.

@@ -3,60 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 
 #include "base/error.h"
 #include "base/random.h"
+#include "tests/sim/cloth_bench.h"
 
 namespace gusset {
 namespace {
-
-constexpr float kG = 9.81f;
-
-// A cloth 3 mm above the table's centre, and the tool that may hold it.
-class Bench {
- public:
-  explicit Bench(bool two_layers, BagConfig bag = {}, ClothSolverConfig solver = {},
-                 float height_m = 0.003f)
-      : h(1.0f / static_cast<float>(solver.substeps_per_s)),
-        cloth(two_layers ? MakeBagMesh(bag) : MakeSheetMesh(bag), bag, solver) {
-    ClothState state = cloth.state();
-    for (Vec3f& p : state.x) {
-      p += Vec3f(-0.5f * static_cast<float>(bag.opening_m), -0.5f * static_cast<float>(bag.depth_m),
-                 height_m);
-    }
-    cloth.SetState(state);
-    X_WT.linear() = Vec3f(1, -1, -1).asDiagonal();
-  }
-  void Run(double seconds, const Vec3f& tool_velocity = Vec3f::Zero()) {
-    for (int i = 0; i < static_cast<int>(std::lround(seconds / h)); ++i) {
-      X_WT.translation() += tool_velocity * h;
-      for (RigidShape& s : shapes) s.X_WS_prev = s.X_WS;
-      cloth.Predict(h);
-      cloth.SolveConstraints(h, X_WT, shapes);
-      most_stretch = std::max(most_stretch, cloth.MaxStretch());
-    }
-  }
-  void GrabAt(const Vec3f& p, float limit_N = 20) {
-    X_WT.translation() = p;
-    PadGap gap;
-    gap.X_WT = X_WT;
-    gap.opening_m = 0.006f;
-    cloth.BeginHold(gap, limit_N);
-  }
-  int Crossings() const { return CountCrossings(cloth.mesh(), cloth.state().x); }
-  float Weight() const {
-    float mass = 0;
-    for (const float m : cloth.mesh().mass_kg) mass += m;
-    return mass * kG;
-  }
-
-  float h;
-  Cloth cloth;
-  Eigen::Isometry3f X_WT = Eigen::Isometry3f::Identity();
-  std::vector<RigidShape> shapes;
-  float most_stretch = 0;
-};
 
 // Grabs, lifts, carries and drops at random places, at up to 1 m/s.
 void Torture(Bench& bench, int actions, std::uint64_t seed) {
@@ -219,7 +172,7 @@ TEST(Cloth, SelfContactKeepsMomentum) {
   solver.damping_per_s = 0;
   bag.drag_coefficient = 0;
   Bench bench(true, bag, solver, 1.0f);
-  bench.cloth.gravity_on = false;
+  bench.cloth.gravity_m_s2.setZero();
   ClothState state = bench.cloth.state();
   // The layers run into each other, one also sideways.
   for (std::size_t i = 0; i < state.x.size(); ++i) {

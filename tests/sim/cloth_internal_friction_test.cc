@@ -33,7 +33,7 @@ double Kept(double residual_curvature_1_m) {
   solver.substeps_per_s = 4000;
   solver.damping_per_s = 60;
   Cloth cloth(MakeSheetMesh(bag), bag, solver);
-  cloth.gravity_on = false;
+  cloth.gravity_m_s2.setZero();
   ClothState state = cloth.state();
   constexpr float kRadius = 1 / 25.0f;
   for (Vec3f& p : state.x) {
