@@ -1,5 +1,7 @@
 #include "agents/bagging_env.h"
 
+#include <cstdio>
+
 #include "agents/affordances.h"
 #include "agents/image_file.h"
 #include "agents/rewards.h"
@@ -62,11 +64,30 @@ std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
 
 }  // namespace
 
+namespace {
+
+// A bag that never counts as unfolded, or whose best opening is none.
+void CheckThresholds(const ConfigTree& tree, const std::string& section, const BagThresholds& t) {
+  const auto below = [&](const char* key, double value, const char* other, double bound) {
+    if (value < bound) return;
+    char text[96];
+    std::snprintf(text, sizeof text, "is not below %s.%s = %g", section.c_str(), other, bound);
+    tree.Refuse(section + "." + key, value, text);
+  };
+  below("A_th", t.A_th, "A_flat", t.A_flat);
+  below("A_th", t.A_th, "A_bmax", t.A_bmax);
+  below("A_oth", t.A_oth, "A_omax", t.A_omax);
+}
+
+}  // namespace
+
 void BaggingConfig::Read(ConfigTree& tree) {
   VisitSections(*this, Sections{tree});
+  CheckThresholds(tree, "thresholds", thresholds.gusset);
   if (tree.Has("thresholds_published")) {
     published.emplace();
     tree.Read("thresholds_published", *published);
+    CheckThresholds(tree, "thresholds_published", *published);
   } else if (thresholds.source == "published") {
     throw InputError("thresholds.source = \"published\" needs a section [thresholds_published]");
   }

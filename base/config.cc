@@ -432,6 +432,12 @@ bool ConfigTree::Has(std::string_view section) const {
          });
 }
 
+void ConfigTree::Refuse(std::string_view key, double value, const std::string& why) const {
+  const auto entry = impl_->entries.find(std::string(key));
+  gusset::Refuse(entry == impl_->entries.end() ? "" : entry->second.origin, std::string(key),
+                 Shortest(value), why);
+}
+
 std::unique_ptr<ConfigVisitor> BoundsChecker(std::string_view section) {
   return std::make_unique<Checker>(section);
 }

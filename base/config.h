@@ -61,6 +61,10 @@ class ConfigTree {
   void RefuseUnknown() const;
   /// True if the table exists.
   bool Has(std::string_view section) const;
+  /// Refuses the value of `key` for a reason that its bounds do not know, as where two values do
+  /// not go together. @throws InputError "file:line: key = value why", without file if none gave
+  /// it.
+  [[noreturn]] void Refuse(std::string_view key, double value, const std::string& why) const;
 
  private:
   std::unique_ptr<ConfigVisitor> Reader(std::string_view section);

@@ -2,11 +2,57 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 
 #include "base/error.h"
 
 namespace gusset {
+namespace {
+
+std::string Text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+// What bounds of single values let through and no bag can be.
+void CheckBag(const ConfigTree& tree, const SimConfig& config) {
+  const BagConfig& bag = config.bag;
+  const double most_m = bag.opening_m / bag.labels_per_layer;
+  if (bag.label_width_m > most_m) {
+    tree.Refuse("bag.label_width_m", bag.label_width_m,
+                "is not at most " + Text(most_m) +
+                    ": bag.labels_per_layer = " + std::to_string(bag.labels_per_layer) +
+                    " labels do not fit side by side onto bag.opening_m = " + Text(bag.opening_m));
+  }
+  try {
+    (void)Cloth(MakeBagMesh(bag), bag, config.solver);
+  } catch (const InputError& e) {
+    tree.Refuse("bag.flexural_rigidity_Nm", bag.flexural_rigidity_Nm,
+                std::string("cannot be stepped: ") + e.what());
+  }
+}
+
+void CheckStarts(const ConfigTree& tree, const SimConfig& config) {
+  const StartConfig& starts = config.starts;
+  if (starts.folded_area_min_px >= starts.folded_area_max_px) {
+    tree.Refuse(
+        "starts.folded_area_min_px", starts.folded_area_min_px,
+        "is not below starts.folded_area_max_px = " + std::to_string(starts.folded_area_max_px));
+  }
+  const CameraConfig& camera = config.camera;
+  const double flat_px = config.bag.opening_m * config.bag.depth_m * camera.fx * camera.fy /
+                         (camera.height_m * camera.height_m);
+  if (starts.folded_area_min_px >= flat_px) {
+    tree.Refuse("starts.folded_area_min_px", starts.folded_area_min_px,
+                "is not below the " + std::to_string(std::lround(flat_px)) +
+                    " px that a bag of bag.opening_m = " + Text(config.bag.opening_m) +
+                    ", bag.depth_m = " + Text(config.bag.depth_m) + " covers laid flat");
+  }
+}
+
+}  // namespace
 
 void SimConfig::Read(ConfigTree& tree) {
   tree.Read("bag", bag);
@@ -17,11 +63,8 @@ void SimConfig::Read(ConfigTree& tree) {
   tree.Read("sensor", sensor);
   tree.Read("light", light);
   tree.Read("starts", starts);
-  if (starts.folded_area_min_px >= starts.folded_area_max_px) {
-    throw InputError(
-        "starts.folded_area_min_px = " + std::to_string(starts.folded_area_min_px) +
-        " is not below starts.folded_area_max_px = " + std::to_string(starts.folded_area_max_px));
-  }
+  CheckBag(tree, *this);
+  CheckStarts(tree, *this);
 }
 
 void SimConfig::AppendTo(std::string& out) const {

@@ -96,6 +96,33 @@ TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
   EXPECT_FALSE(fs::exists(dir_ / "run")) << "nothing is written before the input is known good";
 }
 
+TEST_F(Cli, BagFilesThatDescribeNoBagAreRefused) {
+  const auto render = [&](const std::string& bag) {
+    return "render --state s0 --bag " + bag + " --out " + (dir_ / "frames").string();
+  };
+  const auto bag = [&](const std::string& text) { return Write("my.toml", text).string(); };
+  ExpectRefused(render("/nowhere.toml"), "/nowhere.toml");
+  ExpectRefused(render(dir_.string() + "/none.toml"), "none.toml");
+  ExpectRefused(render(bag("[bag]\nthickness_m = -1\n")),
+                "my.toml:2: bag.thickness_m = -1 is not within [2e-04, 0.0015]");
+  ExpectRefused(render(bag("[bag]\ndepth_m = nan\n")),
+                "my.toml:2: bag.depth_m = nan is not within [0.1, 1]");
+  ExpectRefused(render(bag("[bag]\nnodes_deep = 9000\n")),
+                "my.toml:2: bag.nodes_deep = 9000 is not within [8, 64]");
+  ExpectRefused(render(bag("[bag]\nlabels_per_layer = 9\nlabel_width_m = 0.04\n")),
+                "my.toml:3: bag.label_width_m = 0.04 is not at most 0.0333333");
+  ExpectRefused(render(bag("[bag]\nlabels_per_layer = 8\n[thresholds]\nlabels_per_layer = 5\n")),
+                "my.toml:4: thresholds.labels_per_layer = 5 is not bag.labels_per_layer = 8");
+  ExpectRefused(render(bag("[thresholds]\nA_th = 40000\n")),
+                "my.toml:2: thresholds.A_th = 40000 is not below thresholds.A_flat = 34950");
+  ExpectRefused(render(bag("[thresholds]\nA_oth = 5000\n")),
+                "my.toml:2: thresholds.A_oth = 5000 is not below thresholds.A_omax = 3900");
+  ExpectRefused(render(bag("[bag]\nthicknes_m = 0.001\n")), "did you mean bag.thickness_m?");
+  ExpectRefused(render("bag1") + " --set bag.friction_cube=2",
+                "--set: bag.friction_cube = 2 is not within [0.2, 0.8]");
+  EXPECT_FALSE(fs::exists(dir_ / "frames"));
+}
+
 TEST_F(Cli, BrokenImagesAreRefusedByName) {
   ExpectRefused("classify", "images");
   ExpectRefused("classify /nowhere.png", "/nowhere.png");

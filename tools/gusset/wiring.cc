@@ -41,6 +41,14 @@ std::unique_ptr<Testbed> MakeTestbed(ConfigTree& config) {
   sim.Read(config);
   BaggingConfig bagging;
   bagging.Read(config);
+  // Perception looks for as many labels as the bag has.
+  const int labels = bagging.chosen_thresholds().labels_per_layer;
+  if (labels != sim.bag.labels_per_layer) {
+    const char* section =
+        bagging.thresholds.source == "published" ? "thresholds_published" : "thresholds";
+    config.Refuse(std::string(section) + ".labels_per_layer", labels,
+                  "is not bag.labels_per_layer = " + std::to_string(sim.bag.labels_per_layer));
+  }
   return std::make_unique<SimTestbed>(sim, bagging.perception, bagging.chosen_thresholds());
 }
 
