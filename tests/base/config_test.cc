@@ -140,6 +140,22 @@ TEST(Config, LaterFilesAndSetWinAndSayWhereTheyCameFrom) {
   }
 }
 
+TEST(Config, AValueThatDoesNotGoWithAnotherIsRefusedWithItsPlace) {
+  ConfigTree tree;
+  tree.Parse("[cloth]\n\nfriction = 0.3", "a.toml");
+  const auto refusal = [&](const char* key, double value) -> std::string {
+    try {
+      tree.Refuse(key, value, "is too much");
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  };
+  EXPECT_EQ(refusal("cloth.friction", 0.3), "a.toml:3: cloth.friction = 0.3 is too much");
+  EXPECT_EQ(refusal("cloth.nodes", 500), "cloth.nodes = 500 is too much") << "a default";
+  tree.Set("cloth.friction=0.4");
+  EXPECT_EQ(refusal("cloth.friction", 0.4), "--set: cloth.friction = 0.4 is too much");
+}
+
 TEST(Config, AMalformedSetIsRefusedInOneLine) {
   for (const char* bad : {"", "=", "cloth.friction", "=3", ".a=3", "a..b=3", "a b=3",
                           "cloth.fabric=two words", "a=1\nb=2", "a=[1"}) {
