@@ -24,8 +24,12 @@ struct Found {
   long looks = 0, looked_anew = 0;
   long crossings = 0, looks_crossed = 0, crossings_at_end = 0;
   long looks_in_cube = 0, looks_in_held_cube = 0, actions_in_cube = 0;
-  double deepest_m = 0, deepest_held_m = 0;
-  float speed_m_s = 0, stretch_beside = 0, stretch_elsewhere = 0;
+  /// The most of something, in which action and from which state.
+  struct Peak {
+    double value = 0;
+    int action = 0, state = 0;
+  };
+  Peak deepest_m, deepest_held_m, speed_m_s, stretch_beside, stretch_elsewhere;
   int actions = 0, starts = 0, stopped = 0;
   std::array<int, 4> in_state{};
 };
@@ -74,6 +78,7 @@ class CrossingsExperiment final : public Command {
       ++in_episode;
       ++found_.in_state[static_cast<std::size_t>(state)];
       in_cube_ = false;
+      state_ = state;
       try {
         Outcome outcome = rig.env.Act(rng.Below(n_actions[static_cast<std::size_t>(state)]));
         Look(rig);
@@ -110,22 +115,24 @@ class CrossingsExperiment final : public Command {
       in_cube_m_ = DepthInCube(mesh, x, X_WCube, world.config().cube_side_m);
       const Vec3f tip = rig.scene.robot().Read().X_WT.translation().cast<float>();
       for (const ClothLink& link : mesh.stretch) {
-        const float ratio = (x[link.a] - x[link.b]).norm() / link.rest_m;
         const bool beside = (0.5f * (x[link.a] + x[link.b]) - tip).norm() < kBeside_m;
-        float& most = beside ? found_.stretch_beside : found_.stretch_elsewhere;
-        most = std::max(most, ratio);
+        Raise(beside ? found_.stretch_beside : found_.stretch_elsewhere,
+              (x[link.a] - x[link.b]).norm() / link.rest_m);
       }
     }
     found_.crossings += crossings_;
     found_.looks_crossed += crossings_ > 0;
     // A gripper that holds the cube presses cloth into it that is caught between them.
-    double& deepest_m = world.cube_held() ? found_.deepest_held_m : found_.deepest_m;
-    deepest_m = std::max(deepest_m, in_cube_m_);
+    Raise(world.cube_held() ? found_.deepest_held_m : found_.deepest_m, in_cube_m_);
     if (in_cube_m_ >= kCubeSkin_m) {
       ++(world.cube_held() ? found_.looks_in_held_cube : found_.looks_in_cube);
       in_cube_ = true;
     }
-    found_.speed_m_s = std::max(found_.speed_m_s, world.cloth().MaxSpeed());
+    Raise(found_.speed_m_s, world.cloth().MaxSpeed());
+  }
+
+  void Raise(Found::Peak& peak, double value) const {
+    if (value > peak.value) peak = {value, found_.actions, state_};
   }
 
   // How deep cloth is in the cube, in whole steps: half a side when it cuts the cube in two.
@@ -147,7 +154,9 @@ class CrossingsExperiment final : public Command {
 
   void Print(const Rig& rig) const {
     const auto text = [](auto n) { return std::to_string(n); };
-    const auto mm = [](double m) { return Number(1000 * m, "%.0f"); };
+    const auto peak = [&](const Found::Peak& p, double unit = 1) {
+      return Number(p.value / unit) + " (action " + text(p.action) + ", s" + text(p.state) + ")";
+    };
     const Found& f = found_;
     const std::vector<std::vector<std::string>> rows = {
         {"", bag_ + ", " + text(rig.scene.world().cloth().mesh().node_count()) + " nodes, " +
@@ -159,15 +168,14 @@ class CrossingsExperiment final : public Command {
         {"looks; since which anything moved", text(f.looks) + "; " + text(f.looked_anew)},
         {"edges through faces, summed over looks; looks with any; at actions' ends",
          text(f.crossings) + "; " + text(f.looks_crossed) + "; " + text(f.crossings_at_end)},
-        {"looks with cloth 2 mm or more in the cube; deepest (mm), half a side is " +
-             mm(0.5 * rig.scene.config().world.cube_side_m),
-         text(f.looks_in_cube) + "; " + mm(f.deepest_m)},
+        {"looks with cloth 2 mm or more in the cube; deepest (mm)",
+         text(f.looks_in_cube) + "; " + peak(f.deepest_m, 0.001)},
         {"the same while the gripper holds the cube",
-         text(f.looks_in_held_cube) + "; " + mm(f.deepest_held_m)},
+         text(f.looks_in_held_cube) + "; " + peak(f.deepest_held_m, 0.001)},
         {"actions with either", text(f.actions_in_cube)},
-        {"fastest node (m/s)", Number(f.speed_m_s)},
+        {"fastest node (m/s)", peak(f.speed_m_s)},
         {"largest stretch within 80 mm of the fingertips; elsewhere",
-         Number(f.stretch_beside) + "; " + Number(f.stretch_elsewhere)},
+         peak(f.stretch_beside) + "; " + peak(f.stretch_elsewhere)},
         {"worlds stopped", text(f.stopped)}};
     std::cout << "`" << command_ << "`\n\n";
     for (const std::vector<std::string>& row : rows) std::cout << Row(row) << "\n";
@@ -185,6 +193,7 @@ class CrossingsExperiment final : public Command {
   int crossings_ = 0;
   double in_cube_m_ = 0;
   bool in_cube_ = false;
+  int state_ = 0;
 };
 
 }  // namespace
