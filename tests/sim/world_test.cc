@@ -5,23 +5,12 @@
 #include <set>
 
 #include "base/error.h"
+#include "sim/hand_scene.h"
 #include "sim/snapshot.h"
 #include "tests/sim/robot_fixture.h"
 
 namespace gusset {
 namespace {
-
-// Two layers laid flat over the table's centre, a hair above it, mouth towards -y.
-ClothState LaidFlat(const BagConfig& bag) {
-  ClothState cloth;
-  for (Vec3f p : MakeBagMesh(bag).rest) {
-    p -= Vec3f(static_cast<float>(0.5 * bag.opening_m), static_cast<float>(0.5 * bag.depth_m), 0);
-    p.z() += static_cast<float>(bag.thickness_m) + 0.0005f;
-    cloth.x.push_back(p);
-  }
-  cloth.v.assign(cloth.x.size(), Vec3f::Zero());
-  return cloth;
-}
 
 std::vector<Eigen::Isometry3d> WaitingLinks() {
   std::vector<Eigen::Isometry3d> X_WL;
@@ -85,19 +74,9 @@ TEST(World, AFlatBagFallsAsleepAndThenStaysAsItIs) {
   EXPECT_EQ(scene.world.cloth().state().x, before);
 }
 
-// All links far away but the last, a hand's, whose tip is at p_W.
-std::vector<Eigen::Isometry3d> HandAt(const Eigen::Vector3d& p_W) {
-  std::vector<Eigen::Isometry3d> X_WL = WaitingLinks();
-  const int tip = *Iiwa().robot().FindLink(Iiwa().config().tip_link);
-  Eigen::Isometry3d X_WTip = Eigen::Isometry3d::Identity();
-  X_WTip.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-  X_WTip.translation() = p_W;
-  const Eigen::Isometry3d move = X_WTip * X_WL[tip].inverse();
-  for (const int finger : {Iiwa().finger_link_a(), Iiwa().finger_link_b()}) {
-    X_WL[finger] = move * X_WL[finger];
-  }
-  X_WL[tip] = X_WTip;
-  return X_WL;
+// The hand with its fingers wide open.
+std::vector<Eigen::Isometry3d> OpenHandAt(const Eigen::Vector3d& p_W) {
+  return HandAt(Iiwa(), p_W, Iiwa().max_opening_m());
 }
 
 TEST(World, AHandWakesTheClothThatItComesNearAndNoOther) {
@@ -106,11 +85,11 @@ TEST(World, AHandWakesTheClothThatItComesNearAndNoOther) {
   ASSERT_TRUE(scene.world.asleep());
   const double opening = Iiwa().max_opening_m();
   // Over the middle, 2 cm above the cloth; beside the bag, above the bare table.
-  scene.world.Step(HandAt({0, 0, 0.02}), opening, false);
+  scene.world.Step(OpenHandAt({0, 0, 0.02}), opening, false);
   EXPECT_TRUE(scene.world.asleep());
-  scene.world.Step(HandAt({0.25, 0, 0.001}), opening, false);
+  scene.world.Step(OpenHandAt({0.25, 0, 0.001}), opening, false);
   EXPECT_TRUE(scene.world.asleep());
-  scene.world.Step(HandAt({0, 0, 0.004}), opening, false);
+  scene.world.Step(OpenHandAt({0, 0, 0.004}), opening, false);
   EXPECT_FALSE(scene.world.asleep());
 }
 
@@ -119,7 +98,7 @@ TEST(World, AHandFeelsTheBareTableWhileTheClothSleeps) {
   scene.world.Settle(3);
   ASSERT_TRUE(scene.world.asleep());
   for (int i = 0; i < 30; ++i) {
-    scene.world.Step(HandAt({0.25, 0, -0.0005}), Iiwa().max_opening_m(), false);
+    scene.world.Step(OpenHandAt({0.25, 0, -0.0005}), Iiwa().max_opening_m(), false);
   }
   EXPECT_GT(scene.world.ForceOnTool().z(), 5);
 }
