@@ -5,39 +5,19 @@
 
 #include <cmath>
 
-#include "perception/perceive.h"
 #include "sim/robot/ik.h"
 #include "sim/robot/tool_pose.h"
-#include "sim/sim_scene.h"
-#include "tools/gusset/settings.h"
+#include "tools/gusset/bench/looks.h"
 
 namespace gusset {
 namespace {
-
-constexpr std::uint64_t kSeed = 2;  // folded along two or three lines
 
 const Settings& BagOne() {
   static const Settings settings = LoadSettings({}, {.bag = "bag1"});
   return settings;
 }
 
-SimConfig Sim() {
-  ConfigTree tree = BagOne().tree;
-  SimConfig config;
-  config.Read(tree);
-  return config;
-}
-
-// The scene with an unfolded bag and the arm's hand over it.
-struct ReachingScene {
-  ReachingScene() : scene(Sim()) {
-    scene.Reset(StartKind::kUnfolded, kSeed);
-    reached =
-        scene.robot().MoveTo(DownwardPose({0.05, 0.0, 0.15}, 0), 0.4).end == MoveEnd::kReached;
-  }
-  SimScene scene;
-  bool reached = false;
-};
+SimConfig Sim() { return SimConfigOf(BagOne()); }
 
 // A world at rest would sleep; here every substep is done. `radius_m`: of the circle, 0.15 m above
 // the table, along which the bag's middle is carried at 0.3 m/s; 0: the bag lies.
@@ -46,7 +26,7 @@ void ClothSubstep(benchmark::State& state, StartKind kind, float radius_m) {
   const SimScene scene(config);
   const float h = 1.0f / static_cast<float>(config.solver.substeps_per_s);
   Cloth cloth(MakeBagMesh(config.bag), config.bag, config.solver);
-  cloth.SetState(scene.MakeStart(kind, kSeed).cloth);
+  cloth.SetState(scene.MakeStart(kind, kBenchSeed).cloth);
   std::vector<RigidShape> shapes;
   Eigen::Isometry3f X_WT = Eigen::Isometry3f::Identity();
   X_WT.linear() = Vec3f(1, -1, -1).asDiagonal();
@@ -79,23 +59,10 @@ BENCHMARK_CAPTURE(ClothSubstep, flat, StartKind::kUnfolded, 0.0f);
 BENCHMARK_CAPTURE(ClothSubstep, folded, StartKind::kFolded, 0.0f);
 BENCHMARK_CAPTURE(ClothSubstep, folded_carried, StartKind::kFolded, 0.05f);
 
-void OverheadFrame(benchmark::State& state) {
-  ReachingScene reaching;
-  if (!reaching.reached) state.SkipWithError("the hand is not over the bag");
-  for (auto _ : state) benchmark::DoNotOptimize(reaching.scene.Look());
-}
-BENCHMARK(OverheadFrame)->Unit(benchmark::kMillisecond);
-
-void PerceiveFrame(benchmark::State& state) {
-  ReachingScene reaching;
-  const RgbdFrame frame = reaching.scene.Look();
-  const BaggingConfig& config = BagOne().bagging;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        Perceive(frame, reaching.scene.model(), config.perception, config.chosen_thresholds()));
-  }
-}
-BENCHMARK(PerceiveFrame)->Unit(benchmark::kMillisecond);
+void Look(benchmark::State& state) { OverheadFrame(state, BagOne()); }
+BENCHMARK(Look)->Name("OverheadFrame")->Unit(benchmark::kMillisecond);
+void See(benchmark::State& state) { PerceiveFrame(state, BagOne()); }
+BENCHMARK(See)->Name("PerceiveFrame")->Unit(benchmark::kMillisecond);
 
 // Poses all over the table, each from the waiting pose.
 void InverseKinematics(benchmark::State& state) {
@@ -114,11 +81,11 @@ void InverseKinematics(benchmark::State& state) {
 BENCHMARK(InverseKinematics)->Unit(benchmark::kMicrosecond);
 
 void SaveAndRestore(benchmark::State& state) {
-  ReachingScene reaching;
+  ReachingScene reaching(BagOne());
   Snapshot snapshot;
   for (auto _ : state) {
     snapshot = reaching.scene.Save();
-    reaching.scene.Restore(snapshot, kSeed);
+    reaching.scene.Restore(snapshot, kBenchSeed);
   }
   state.counters["bytes"] = static_cast<double>(snapshot.size());
 }

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace gusset {
@@ -60,7 +61,7 @@ class Cli : public testing::Test {
 
 TEST_F(Cli, HelpEverywhereSucceeds) {
   for (const char* command :
-       {"", "train", "evaluate", "play", "render", "classify", "self-check"}) {
+       {"", "train", "evaluate", "play", "render", "classify", "bench", "self-check"}) {
     const Result result = Gusset(std::string(command) + " --help");
     EXPECT_EQ(result.code, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("--help"));
@@ -78,6 +79,7 @@ TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
   ExpectRefused("evaluate --policy random --start crumpled", "crumpled");
   ExpectRefused("evaluate --policy random --log-level loud", "loud");
   ExpectRefused("play --out X", "--policy");
+  ExpectRefused("bench --only no_such", "no_such");
 }
 
 TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
@@ -131,6 +133,28 @@ TEST_F(Cli, BrokenImagesAreRefusedByName) {
   ExpectRefused("classify " + dir_.string(), dir_.string());
   ExpectRefused("classify --corpus " + dir_.string(), "labels.jsonl");
 }
+
+#ifdef GUSSET_HAS_BENCH
+TEST_F(Cli, BenchPrintsOneDocumentWithEveryFigureOfTheContract) {
+  const Result result = Gusset("bench --quick --only perception_ms --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json document = nlohmann::json::parse(result.out);
+  EXPECT_GT(document.at("perception_ms").get<double>(), 0);
+  for (const char* figure : {"rtf_awake", "rtf_action", "vs_bt_deformable", "growth_exponent",
+                             "action_ms", "train_s", "two_core_speedup", "world_mb", "frame_ms"}) {
+    EXPECT_TRUE(document.at(figure).is_null()) << figure << " was not asked for";
+  }
+  EXPECT_EQ(document.at("nodes"), 526);
+  EXPECT_NE(document.at("machine").at("cpu"), "");
+}
+#else
+TEST_F(Cli, BenchSaysThatThisBuildHasNone) {
+  const Result result = Gusset("bench");
+  EXPECT_EQ(result.code, 1);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("GUSSET_BUILD_BENCH"));
+}
+#endif
 
 TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
   ExpectRefused("train --resume --out " + dir_.string(), "config.toml");
