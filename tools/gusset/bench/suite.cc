@@ -75,7 +75,10 @@ nlohmann::ordered_json RunMeasurements(const BenchContext& context,
     if (StopRequested()) throw RunError("bench: interrupted");
     spdlog::info("measuring {}", m.figures.front());
     const Measured measured = m.measure(context);
-    for (const auto& [figure, value] : measured.figures.items()) document[figure] = value;
+    for (const auto& [figure, value] : measured.figures.items()) {
+      document[figure] = value;
+      spdlog::info("{} = {:.4g}", figure, value.get<double>());
+    }
     document["detail"][m.figures.front()] = measured.detail;
   }
   return document;
