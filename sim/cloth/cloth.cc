@@ -20,17 +20,11 @@ constexpr float kFlat_m = 4e-4f;
 // A link gives this much before its internal friction slips; tuned, 2026-11: a fifth of what the
 // tightest fold leaves of a link.
 constexpr float kLinkSlip_m = 5e-4f;
-constexpr int kAirEvery = 4;         // substeps between evaluations of the air's force
-constexpr int kCandidatesEvery = 4;  // substeps between searches for shapes' contacts
-constexpr float kCandidateReach_m = 0.008f;
+constexpr int kAirEvery = 4;      // substeps between evaluations of the air's force
 constexpr int kBesideSweeps = 2;  // more sweeps beside the fingers; tuned 2026-11, ClothInActions
-constexpr float kBeyond_m = 1e-4f;
 // Woven cotton's yarns straighten by about a percent before they bear; tethers
 // allow for it.
 constexpr float kTetherSlack = 1.01f;
-// Stiffness of cloth across its thickness, per area: a cotton of 1.5 mm loses some 0.5 mm under
-// 5 kPa (KES-FB3, the usual compression test).
-constexpr float kCompression_N_m3 = 1e7f;
 // Points per triangle side when cloth between the pads is looked for: 20 mm / 8
 // = 2.5 mm apart.
 constexpr int kHoldSamples = 8;
@@ -61,6 +55,8 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
       stretch_(mesh_.stretch, inv_mass_),
       shear_(mesh_.shear, inv_mass_),
       contact_(mesh_, static_cast<float>(bag.friction_cloth)),
+      rigid_contact_(mesh_, static_cast<float>(bag.opening_m * bag.depth_m * mesh_.layers),
+                     static_cast<float>(solver.separation_speed_m_s)),
       // A link that buckles folds about its middle: the moment that friction holds there, B kappa
       // w, needs the force 2 B kappa w / L along it when it lies folded; links are as wide as long.
       buckling_friction_N_(
@@ -100,15 +96,7 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
   SetState(std::move(flat));
   air_.assign(mesh_.rest.size(), Vec4f::Zero());
   bend_force_ = ahead_ = air_;
-  beyond_.resize(mesh_.rest.size());
   PackBends();
-  for (int i = 0; i < mesh_.node_count(); ++i) samples_.push_back({{i, i, i}, {1, 0, 0}, 1});
-  for (const auto& e : mesh_.edges) samples_.push_back({{e[0], e[1], e[1]}, {0.5f, 0.5f, 0}, 2});
-  for (const auto& t : mesh_.triangles) {
-    samples_.push_back({{t[0], t[1], t[2]}, {1 / 3.0f, 1 / 3.0f, 1 / 3.0f}, 3});
-  }
-  sample_area_m2_ = static_cast<float>(bag.opening_m * bag.depth_m * mesh_.layers) /
-                    static_cast<float>(samples_.size());
 }
 
 void Cloth::SetState(ClothState state) {
@@ -123,9 +111,8 @@ void Cloth::SetState(ClothState state) {
   x_ = x_prev_ = Widen(state_.x);
   v_ = Widen(state_.v);
   contact_.Invalidate();
-  since_candidates_ = 0;
+  rigid_contact_.Invalidate();
   since_air_ = 0;
-  candidates_.clear();
 }
 
 void Cloth::PackBends() {
@@ -293,59 +280,14 @@ void Cloth::SolveTable() {
   }
 }
 
-void Cloth::FindCandidates(const std::vector<RigidShape>& shapes) {
-  candidates_.assign(shapes.size(), {});
-  lo_ = hi_ = At(0);
-  for (const Vec4f& p : x_) {
-    lo_ = lo_.cwiseMin(p.head<3>());
-    hi_ = hi_.cwiseMax(p.head<3>());
-  }
-  const float reach = kCandidateReach_m + 0.5f * mesh_.thickness_m;
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    const RigidShape& shape = shapes[s];
-    const Vec3f extent = shape.X_WS.linear().cwiseAbs() * shape.half;
-    const Vec3f lo = shape.X_WS.translation() - extent - Vec3f::Constant(reach);
-    const Vec3f hi = shape.X_WS.translation() + extent + Vec3f::Constant(reach);
-    if ((lo.array() > hi_.array()).any() || (hi.array() < lo_.array()).any()) continue;
-    // A sample whose nodes all lie beyond one side of the box lies there too; rounding is far below
-    // what the box is grown by.
-    const Vec3f lower = lo - Vec3f::Constant(kBeyond_m), upper = hi + Vec3f::Constant(kBeyond_m);
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-      const int below = Bits(Load(x_[i]) < Float4(lower.x(), lower.y(), lower.z(), 0));
-      const int above = Bits(Float4(upper.x(), upper.y(), upper.z(), 0) < Load(x_[i]));
-      beyond_[i] = static_cast<std::uint8_t>(below << 3 | above);
-    }
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const Sample& m = samples_[i];
-      if (beyond_[m.node[0]] & beyond_[m.node[1]] & beyond_[m.node[2]]) continue;
-      Vec3f p = m.weight[0] * At(m.node[0]);
-      for (int k = 1; k < m.count; ++k) p += m.weight[k] * At(m.node[k]);
-      if ((p.array() < lo.array()).any() || (p.array() > hi.array()).any()) continue;
-      candidates_[s].push_back(static_cast<int>(i));
-    }
-  }
-  ListBeside(shapes);
-}
-
 // Yarns at what is held or near a kinematic body, one ring round them (the stretch would only move
 // there), and what shares a packet with these; a loose cube is too light to stretch any.
 void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
   beside_.clear();
-  bool any = !state_.held.empty();
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    any = any || (shapes[s].inv_mass == 0 && !candidates_[s].empty());
-  }
-  if (!any) return;
   std::vector<bool> nodes(x_.size(), false);
+  if (!rigid_contact_.MarkNearKinematic(shapes, nodes) && state_.held.empty()) return;
   for (const HeldPoint& held : state_.held) {
     for (const int node : held.node) nodes[node] = true;
-  }
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    if (shapes[s].inv_mass > 0) continue;
-    for (const int index : candidates_[s]) {
-      const Sample& m = samples_[index];
-      for (int k = 0; k < m.count; ++k) nodes[m.node[k]] = true;
-    }
   }
   std::vector<bool> ring = nodes;
   for (const ClothLink& link : mesh_.stretch) {
@@ -353,89 +295,6 @@ void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
     if (nodes[link.b]) ring[link.a] = true;
   }
   beside_ = stretch_.PacketsAt(ring);
-}
-
-void Cloth::SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h) {
-  if (candidates.empty()) return;
-  const float gap = 0.5f * mesh_.thickness_m;
-  const float most_out = static_cast<float>(solver_.separation_speed_m_s) * h;
-  const Eigen::Isometry3f X_SW_prev = shape.X_WS_prev.inverse();
-  for (const int index : candidates) {
-    const Sample& m = samples_[index];
-    Vec3f p = m.weight[0] * At(m.node[0]);
-    for (int k = 1; k < m.count; ++k) p += m.weight[k] * At(m.node[k]);
-    const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
-    if (ClearlyOff(shape, p_S, gap)) continue;
-    Vec3f n_S;
-    const float distance = SignedDistance(shape, p_S, n_S);
-    if (distance >= gap) continue;
-    Vec3f p_prev = m.weight[0] * x_prev_[m.node[0]].head<3>();
-    float w = m.weight[0] * m.weight[0] * inv_mass_[m.node[0]];
-    for (int k = 1; k < m.count; ++k) {
-      p_prev += m.weight[k] * x_prev_[m.node[k]].head<3>();
-      w += m.weight[k] * m.weight[k] * inv_mass_[m.node[k]];
-    }
-    // As between layers: approach is stopped at once, old overlap undone
-    // slowly.
-    const Vec3f p_S_prev = X_SW_prev * p_prev;
-    Vec3f n_prev;
-    const float before = SignedDistance(shape, p_S_prev, n_prev);
-    const float target = std::min(gap, std::max(before, -gap) + most_out);
-    const float depth = target - distance;
-    if (depth <= 0) continue;
-    const Vec3f n = shape.X_WS.linear() * n_S;
-    const Vec3f slip3 = p - shape.X_WS * p_S_prev;  // relative to the body's own motion
-    const Vec3f slip = slip3 - n * n.dot(slip3);
-    const float slip_m = slip.norm();
-    const float most = shape.friction * depth;
-    const Vec3f move = n * depth - slip * (slip_m > most ? most / slip_m : 1.0f);
-    const Vec3f arm = p - shape.X_WS.translation();
-    float w_body = shape.inv_mass;
-    if (w_body > 0) {
-      const Vec3f rn = arm.cross(n);
-      w_body += rn.dot(shape.inv_inertia_W * rn);
-    }
-    const Vec3f push = move / (w + w_body);
-    for (int k = 0; k < m.count; ++k) {
-      x_[m.node[k]].head<3>() += push * (m.weight[k] * inv_mass_[m.node[k]]);
-    }
-    const Vec3f impulse = -push / h;
-    shape.impulse += impulse;
-    shape.angular_impulse += arm.cross(impulse);
-    if (w_body > 0) {
-      // The body yields within the substep too, so that the next sample sees it
-      // where it will be.
-      shape.X_WS.translation() += impulse * (shape.inv_mass * h);
-      const Vec3f turn = shape.inv_inertia_W * arm.cross(impulse) * h;
-      const float angle = turn.norm();
-      if (angle > 1e-9f) {
-        shape.X_WS.linear() =
-            Eigen::AngleAxisf(angle, turn / angle).toRotationMatrix() * shape.X_WS.linear();
-      }
-    }
-  }
-}
-
-// What contact could not push out of a kinematic body is caught between it and something else, and
-// thinner than it would be: it pushes back as compressed cloth does.
-void Cloth::MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates) const {
-  shape.squeeze.setZero();
-  shape.squeeze_minus_x = 0;
-  const float gap = 0.5f * mesh_.thickness_m;
-  for (const int index : candidates) {
-    const Sample& m = samples_[index];
-    Vec3f p = m.weight[0] * state_.x[m.node[0]];
-    for (int k = 1; k < m.count; ++k) p += m.weight[k] * state_.x[m.node[k]];
-    const Vec3f p_S = shape.X_WS.linear().transpose() * (p - shape.X_WS.translation());
-    if (ClearlyOff(shape, p_S, gap)) continue;
-    Vec3f n_S;
-    const float distance = SignedDistance(shape, p_S, n_S);
-    if (distance >= gap) continue;
-    const float overlap = std::min(gap - distance, 2 * gap);
-    const float force = kCompression_N_m3 * sample_area_m2_ * overlap;
-    shape.squeeze -= shape.X_WS.linear() * n_S * force;
-    if (n_S.x() < -0.7f) shape.squeeze_minus_x += force;
-  }
 }
 
 Vec3f Cloth::At(const HeldPoint& held) const {
@@ -522,8 +381,7 @@ void Cloth::Tether(float h, const Eigen::Isometry3f& X_WT) {
 
 void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
                              std::vector<RigidShape>& shapes) {
-  if (since_candidates_ == 0 || candidates_.size() != shapes.size()) FindCandidates(shapes);
-  since_candidates_ = (since_candidates_ + 1) % kCandidatesEvery;
+  if (rigid_contact_.Find(x_, shapes)) ListBeside(shapes);
   for (RigidShape& shape : shapes) {
     shape.impulse.setZero();
     shape.angular_impulse.setZero();
@@ -537,7 +395,7 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     Tether(h, X_WT);
     SolveLinks(h, k % 2 == 0, k == 0);
     contact_.Solve(x_prev_, inv_mass_, x_);
-    for (std::size_t s = 0; s < shapes.size(); ++s) SolveRigid(shapes[s], candidates_[s], h);
+    rigid_contact_.Solve(x_prev_, inv_mass_, h, shapes, x_);
     SolveTable();
   }
   // What fingers pull and push at goes through few yarns, and two sweeps leave those too long. With
@@ -565,9 +423,7 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     state_.x[i] = x_[i].head<3>();
     state_.v[i] = v_[i].head<3>();
   }
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    if (shapes[s].inv_mass == 0) MeasureSqueeze(shapes[s], candidates_[s]);
-  }
+  rigid_contact_.MeasureSqueeze(x_, shapes);
 }
 
 bool Cloth::IsNear(const RigidShape& shape, float distance_m) const {

@@ -8,7 +8,7 @@
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/cloth_types.h"
 #include "sim/cloth/link_solver.h"
-#include "sim/cloth/rigid_shape.h"
+#include "sim/cloth/rigid_contact.h"
 #include "sim/cloth/self_contact.h"
 
 namespace gusset {
@@ -89,12 +89,6 @@ class Cloth {
   Vec3f gravity_m_s2{0, 0, -9.81f};  ///< World; tilting it tilts the table.
 
  private:
-  struct Sample {             ///< A point of the cloth that rigid shapes are tested against.
-    std::array<int, 3> node;  ///< Past `count`: the last again.
-    std::array<float, 3> weight;
-    int count;
-  };
-
   /// Four bends that share no node, side by side.
   struct BendPacket {
     std::array<std::array<std::uint16_t, 4>, 3> node;  ///< [a, mid, c][lane]
@@ -111,13 +105,10 @@ class Cloth {
   void ApplyAir(float h);
   void SolveLinks(float h, bool forward, bool first);
   void SolveTable();
-  void SolveRigid(RigidShape& shape, const std::vector<int>& candidates, float h);
-  void MeasureSqueeze(RigidShape& shape, const std::vector<int>& candidates) const;
   void SolveHold(float h, const Eigen::Isometry3f& X_WT);
   void YieldHold(const Vec3Array& wanted, float most_m, const Eigen::Isometry3f& X_WT);
   void LoseWhatSlippedOut();
   void MeasureTethers();
-  void FindCandidates(const std::vector<RigidShape>& shapes);
   void ListBeside(const std::vector<RigidShape>& shapes);
   void Tether(float h, const Eigen::Isometry3f& X_WT);
 
@@ -129,17 +120,12 @@ class Cloth {
   std::vector<float> inv_mass_;
   LinkSolver stretch_, shear_;
   std::vector<BendPacket> bend_packets_;
-  std::vector<Sample> samples_;
-  float sample_area_m2_ = 0;
-  std::vector<std::vector<int>> candidates_;  ///< Per shape: samples that may touch it.
-  std::vector<int> beside_;                   ///< Packets of stretch_ with a yarn at the fingers.
-  std::vector<std::uint8_t> beyond_;  ///< Scratch, per node: sides of a box that it is beyond.
-  Vec3f lo_ = Vec3f::Zero(), hi_ = Vec3f::Zero();
-  int since_candidates_ = 0;
+  std::vector<int> beside_;  ///< Packets of stretch_ with a yarn at the fingers.
   int since_air_ = 0;
   Vec4Array air_;  ///< Force of the air per node, N.
   Vec4Array bend_force_, ahead_;
   SelfContact contact_;
+  RigidContact rigid_contact_;
   float buckling_friction_N_, shear_friction_N_;  // of one link
   Vec3f hold_force_N_ = Vec3f::Zero();
   // What the hold gave in the substep under way, N: each point, and through tethers in all.

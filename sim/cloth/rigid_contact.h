@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/cloth/bag_mesh.h"
+#include "sim/cloth/cloth_types.h"
+#include "sim/cloth/rigid_shape.h"
+#include "sim/cloth/simd.h"
+
+namespace gusset {
+
+/// Contact of a cloth with rigid shapes. Nodes, edge midpoints and face centres are tested against
+/// the shapes' signed distances. Approach is stopped at once, old overlap undone at the separation
+/// speed, with Coulomb friction on the substep's slip; shapes with a mass yield and get the
+/// impulses.
+class RigidContact {
+ public:
+  /// @param area_m2 of all layers. `mesh` must outlive this.
+  RigidContact(const ClothMesh& mesh, float area_m2, float separation_speed_m_s);
+
+  /// Forgets what is near; the next Find looks anew.
+  void Invalidate();
+  /// Finds what may touch which shape, every few substeps. @returns whether it did.
+  bool Find(const Vec4Array& x, const std::vector<RigidShape>& shapes);
+  /// Sets true for nodes of what may touch a kinematic shape. @returns whether there is any.
+  bool MarkNearKinematic(const std::vector<RigidShape>& shapes, std::vector<bool>& nodes) const;
+  /// One Gauss-Seidel pass in a substep of h seconds that began at x_prev.
+  void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
+             std::vector<RigidShape>& shapes, Vec4Array& x) const;
+  /// What contact could not push out of kinematic shapes: sets their squeeze.
+  void MeasureSqueeze(const Vec4Array& x, std::vector<RigidShape>& shapes) const;
+
+ private:
+  struct Sample {             ///< A point of the cloth that shapes are tested against.
+    std::array<int, 3> node;  ///< Past `count`: the last again.
+    std::array<float, 3> weight;
+    int count;
+    Vec3f At(const Vec4Array& x) const;
+  };
+  struct Substep {
+    const Vec4Array& x_prev;
+    const std::vector<float>& inv_mass;
+    float h;
+  };
+
+  void SolveSamples(const Substep& substep, const std::vector<int>& candidates, RigidShape& shape,
+                    Vec4Array& x) const;
+
+  const ClothMesh& mesh_;
+  float gap_m_;  ///< Between the cloth's mid-plane and a shape.
+  float separation_speed_m_s_;
+  std::vector<Sample> samples_;
+  float sample_area_m2_;
+  std::vector<std::vector<int>> near_samples_;  ///< Per shape: samples that may touch it.
+  std::vector<std::uint8_t> beyond_;            ///< Per node: sides of a box that it is beyond.
+  int since_find_ = 0;
+};
+
+}  // namespace gusset
