@@ -423,7 +423,7 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     state_.x[i] = x_[i].head<3>();
     state_.v[i] = v_[i].head<3>();
   }
-  rigid_contact_.MeasureSqueeze(x_, shapes);
+  rigid_contact_.MeasureSqueeze(x_, holding(), shapes);
 }
 
 bool Cloth::IsNear(const RigidShape& shape, float distance_m) const {

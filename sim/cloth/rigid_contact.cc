@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace gusset {
 namespace {
@@ -12,6 +13,12 @@ constexpr float kBeyond_m = 1e-4f;
 // Stiffness of cloth across its thickness, per area: a cotton of 1.5 mm loses some 0.5 mm under
 // 5 kPa (KES-FB3, the usual compression test).
 constexpr float kCompression_N_m3 = 1e7f;
+// What lies beneath a point of the cloth within this distance tells whether the point is borne by
+// the table: a sample or two each way.
+constexpr float kColumn_m = 0.015f;
+// It is, if there is more cloth than air down there.
+constexpr float kBearingShare = 0.5f;
+constexpr float kDownwards = -0.7f;  // height of a normal that points down rather than sideways
 
 // Moves a point of the cloth, p in the world, by `move` relative to a shape that yields along n.
 template <class Sample>
@@ -163,9 +170,27 @@ void RigidContact::SolveSamples(const Substep& substep, const std::vector<int>& 
   }
 }
 
+// Whether cloth fills the column from p down to the table.
+bool RigidContact::BorneByTable(const Vec4Array& x, const Vec3f& p) const {
+  float area_m2 = 0;
+  for (const Sample& m : samples_) {
+    const Vec3f q = m.At(x);
+    if (q.z() > p.z() || (q - p).head<2>().squaredNorm() > kColumn_m * kColumn_m) continue;
+    area_m2 += sample_area_m2_;
+  }
+  const float height_m = p.z() + gap_m_;
+  const float column_m3 = std::numbers::pi_v<float> * kColumn_m * kColumn_m * height_m;
+  return area_m2 * 2 * gap_m_ > kBearingShare * column_m3;
+}
+
 // What contact could not push out of a kinematic body is caught between it and something else, and
-// thinner than it would be: it pushes back as compressed cloth does.
-void RigidContact::MeasureSqueeze(const Vec4Array& x, std::vector<RigidShape>& shapes) const {
+// thinner than it would be: it pushes back as compressed cloth does. Impulses and the hold's forces
+// are all that changes the cloth's momentum, so this is a pair of forces that pass through it from
+// the body to what it is caught against. While the gripper holds cloth that is the gripper again
+// (other finger, or what is held), so that nothing is felt of it as a whole, but where the body
+// presses down on cloth that the table bears.
+void RigidContact::MeasureSqueeze(const Vec4Array& x, bool held,
+                                  std::vector<RigidShape>& shapes) const {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     RigidShape& shape = shapes[s];
     if (shape.inv_mass != 0) continue;
@@ -180,8 +205,10 @@ void RigidContact::MeasureSqueeze(const Vec4Array& x, std::vector<RigidShape>& s
       if (distance >= gap_m_) continue;
       const float overlap = std::min(gap_m_ - distance, 2 * gap_m_);
       const float force = kCompression_N_m3 * sample_area_m2_ * overlap;
-      shape.squeeze -= shape.X_WS.linear() * n_S * force;
       if (n_S.x() < -0.7f) shape.squeeze_minus_x += force;
+      const Vec3f n = shape.X_WS.linear() * n_S;
+      if (held && (n.z() > kDownwards || !BorneByTable(x, p))) continue;
+      shape.squeeze -= n * force;
     }
   }
 }

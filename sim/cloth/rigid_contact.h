@@ -30,7 +30,9 @@ class RigidContact {
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
              std::vector<RigidShape>& shapes, Vec4Array& x) const;
   /// What contact could not push out of kinematic shapes: sets their squeeze.
-  void MeasureSqueeze(const Vec4Array& x, std::vector<RigidShape>& shapes) const;
+  /// @param held whether the gripper, whose parts they are, holds cloth: then what is squeezed
+  ///   between its own parts counts for the pads alone.
+  void MeasureSqueeze(const Vec4Array& x, bool held, std::vector<RigidShape>& shapes) const;
 
  private:
   struct Sample {             ///< A point of the cloth that shapes are tested against.
@@ -47,6 +49,7 @@ class RigidContact {
 
   void SolveSamples(const Substep& substep, const std::vector<int>& candidates, RigidShape& shape,
                     Vec4Array& x) const;
+  bool BorneByTable(const Vec4Array& x, const Vec3f& p) const;
 
   const ClothMesh& mesh_;
   float gap_m_;  ///< Between the cloth's mid-plane and a shape.

@@ -21,9 +21,11 @@ struct RigidShape {
   /// What the cloth did to the body in this substep, momentum in N s and N m s about its centre.
   Vec3f impulse = Vec3f::Zero();
   Vec3f angular_impulse = Vec3f::Zero();
-  /// Kinematic bodies: force (N) of cloth squeezed against something else, which yields no further.
+  /// Kinematic bodies: force (N) of cloth squeezed against what is not the gripper, which yields no
+  /// further.
   Vec3f squeeze = Vec3f::Zero();
-  float squeeze_minus_x = 0;  ///< Its part on the body's -x face; a gripper's pads read it.
+  /// Force on the body's -x face, whatever the cloth is squeezed against; a gripper's pads read it.
+  float squeeze_minus_x = 0;
 };
 
 /// True only if SignedDistance is at least `gap_m` (positive): a cheap look before it.
