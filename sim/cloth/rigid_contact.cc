@@ -13,6 +13,7 @@ constexpr float kBeyond_m = 1e-4f;
 // Stiffness of cloth across its thickness, per area: a cotton of 1.5 mm loses some 0.5 mm under
 // 5 kPa (KES-FB3, the usual compression test).
 constexpr float kCompression_N_m3 = 1e7f;
+constexpr float kLeastArea_m2 = 1e-9f;  // twice that of a triangle that has a normal
 // What lies beneath a point of the cloth within this distance tells whether the point is borne by
 // the table: a sample or two each way.
 constexpr float kColumn_m = 0.015f;
@@ -20,34 +21,8 @@ constexpr float kColumn_m = 0.015f;
 constexpr float kBearingShare = 0.5f;
 constexpr float kDownwards = -0.7f;  // height of a normal that points down rather than sideways
 
-// Moves a point of the cloth, p in the world, by `move` relative to a shape that yields along n.
-template <class Sample>
-void Push(const Sample& m, const Vec3f& p, const Vec3f& n, const Vec3f& move, float w, float h,
-          const std::vector<float>& inv_mass, RigidShape& shape, Vec4Array& x) {
-  const Vec3f arm = p - shape.X_WS.translation();
-  float w_body = shape.inv_mass;
-  if (w_body > 0) {
-    const Vec3f rn = arm.cross(n);
-    w_body += rn.dot(shape.inv_inertia_W * rn);
-  }
-  const Vec3f push = move / (w + w_body);
-  for (int k = 0; k < m.count; ++k) {
-    x[m.node[k]].template head<3>() += push * (m.weight[k] * inv_mass[m.node[k]]);
-  }
-  const Vec3f impulse = -push / h;
-  shape.impulse += impulse;
-  shape.angular_impulse += arm.cross(impulse);
-  if (w_body > 0) {
-    // The body yields within the substep too, so that the next sample sees it
-    // where it will be.
-    shape.X_WS.translation() += impulse * (shape.inv_mass * h);
-    const Vec3f turn = shape.inv_inertia_W * arm.cross(impulse) * h;
-    const float angle = turn.norm();
-    if (angle > 1e-9f) {
-      shape.X_WS.linear() =
-          Eigen::AngleAxisf(angle, turn / angle).toRotationMatrix() * shape.X_WS.linear();
-    }
-  }
+bool YieldingBox(const RigidShape& shape) {
+  return shape.kind == RigidShape::Kind::kBox && shape.inv_mass > 0;
 }
 
 }  // namespace
@@ -81,6 +56,7 @@ bool RigidContact::Find(const Vec4Array& x, const std::vector<RigidShape>& shape
   since_find_ = (since_find_ + 1) % kFindEvery;
   if (!look) return false;
   near_samples_.assign(shapes.size(), {});
+  near_triangles_.assign(shapes.size(), {});
   Vec3f cloth_lo = x[0].head<3>(), cloth_hi = cloth_lo;
   for (const Vec4f& p : x) {
     cloth_lo = cloth_lo.cwiseMin(p.head<3>());
@@ -109,6 +85,12 @@ bool RigidContact::Find(const Vec4Array& x, const std::vector<RigidShape>& shape
       if ((p.array() < lo.array()).any() || (p.array() > hi.array()).any()) continue;
       near_samples_[s].push_back(static_cast<int>(i));
     }
+    if (!YieldingBox(shape)) continue;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const std::array<int, 3>& n = mesh_.triangles[t];
+      if (beyond_[n[0]] & beyond_[n[1]] & beyond_[n[2]]) continue;
+      near_triangles_[s].push_back(static_cast<int>(t));
+    }
   }
   return true;
 }
@@ -132,14 +114,55 @@ void RigidContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_
   const Substep substep{x_prev, inv_mass, h};
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     SolveSamples(substep, near_samples_[s], shapes[s], x);
+    if (YieldingBox(shapes[s])) SolveEdges(substep, near_triangles_[s], shapes[s], x);
+  }
+}
+
+void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overlap& overlap,
+                           RigidShape& shape, Vec4Array& x) const {
+  const auto& [x_prev, inv_mass, h] = substep;
+  // As between layers: approach is stopped at once, old overlap undone slowly.
+  const float target =
+      std::min(gap_m_, std::max(overlap.distance_before_m, -gap_m_) + separation_speed_m_s_ * h);
+  const float depth = target - overlap.distance_m;
+  if (depth <= 0) return;
+  const Vec3f p = m.At(x);
+  float w = 0;
+  for (int k = 0; k < m.count; ++k) w += m.weight[k] * m.weight[k] * inv_mass[m.node[k]];
+  const Vec3f& n = overlap.normal;
+  const Vec3f slip3 = p - shape.X_WS * overlap.p_S_before;  // relative to the body's own motion
+  const Vec3f slip = slip3 - n * n.dot(slip3);
+  const float slip_m = slip.norm();
+  const float most = shape.friction * depth;
+  const Vec3f move = n * depth - slip * (slip_m > most ? most / slip_m : 1.0f);
+  const Vec3f arm = p - shape.X_WS.translation();
+  float w_body = shape.inv_mass;
+  if (w_body > 0) {
+    const Vec3f rn = arm.cross(n);
+    w_body += rn.dot(shape.inv_inertia_W * rn);
+  }
+  const Vec3f push = move / (w + w_body);
+  for (int k = 0; k < m.count; ++k) {
+    x[m.node[k]].head<3>() += push * (m.weight[k] * inv_mass[m.node[k]]);
+  }
+  const Vec3f impulse = -push / h;
+  shape.impulse += impulse;
+  shape.angular_impulse += arm.cross(impulse);
+  if (w_body > 0) {
+    // The body yields within the substep too, so that the next contact sees it where it will be.
+    shape.X_WS.translation() += impulse * (shape.inv_mass * h);
+    const Vec3f turn = shape.inv_inertia_W * arm.cross(impulse) * h;
+    const float angle = turn.norm();
+    if (angle > 1e-9f) {
+      shape.X_WS.linear() =
+          Eigen::AngleAxisf(angle, turn / angle).toRotationMatrix() * shape.X_WS.linear();
+    }
   }
 }
 
 void RigidContact::SolveSamples(const Substep& substep, const std::vector<int>& candidates,
                                 RigidShape& shape, Vec4Array& x) const {
   if (candidates.empty()) return;
-  const auto& [x_prev, inv_mass, h] = substep;
-  const float most_out = separation_speed_m_s_ * h;
   const Eigen::Isometry3f X_SW_prev = shape.X_WS_prev.inverse();
   for (const int index : candidates) {
     const Sample& m = samples_[index];
@@ -149,24 +172,86 @@ void RigidContact::SolveSamples(const Substep& substep, const std::vector<int>& 
     Vec3f n_S;
     const float distance = SignedDistance(shape, p_S, n_S);
     if (distance >= gap_m_) continue;
-    const Vec3f p_prev = m.At(x_prev);
-    float w = 0;
-    for (int k = 0; k < m.count; ++k) w += m.weight[k] * m.weight[k] * inv_mass[m.node[k]];
-    // As between layers: approach is stopped at once, old overlap undone
-    // slowly.
-    const Vec3f p_S_prev = X_SW_prev * p_prev;
+    const Vec3f p_S_prev = X_SW_prev * m.At(substep.x_prev);
     Vec3f n_prev;
     const float before = SignedDistance(shape, p_S_prev, n_prev);
-    const float target = std::min(gap_m_, std::max(before, -gap_m_) + most_out);
-    const float depth = target - distance;
-    if (depth <= 0) continue;
-    const Vec3f n = shape.X_WS.linear() * n_S;
-    const Vec3f slip3 = p - shape.X_WS * p_S_prev;  // relative to the body's own motion
-    const Vec3f slip = slip3 - n * n.dot(slip3);
-    const float slip_m = slip.norm();
-    const float most = shape.friction * depth;
-    const Vec3f move = n * depth - slip * (slip_m > most ? most / slip_m : 1.0f);
-    Push(m, p, n, move, w, h, inv_mass, shape, x);
+    PushOut(substep, m, {shape.X_WS.linear() * n_S, distance, before, p_S_prev}, shape, x);
+  }
+}
+
+// A box's deepest point along a triangle's normal is a corner, and only that corner's edges lead up
+// to it. The part of each edge that lies over the triangle is found by clipping; its end nearest to
+// the corner is deepest. A point over the triangle and beyond its plane, moved back onto the plane
+// against the normal, stays in the box, since the normal lies between the faces' that meet there:
+// so what is found is cloth that is in the box.
+std::optional<RigidContact::EdgeContact> RigidContact::FindEdge(const RigidShape& box, int triangle,
+                                                                const Vec4Array& x) const {
+  const std::array<int, 3>& node = mesh_.triangles[triangle];
+  const Eigen::Matrix3f R_SW = box.X_WS.linear().transpose();
+  const auto at = [&](int k) {
+    return Vec3f(R_SW * (x[node[k]].head<3>() - box.X_WS.translation()));
+  };
+  const Vec3f a = at(0), b = at(1), c = at(2);
+  const Vec3f reach = box.half + Vec3f::Constant(gap_m_);
+  if ((a.cwiseMin(b).cwiseMin(c).array() >= reach.array()).any() ||
+      (a.cwiseMax(b).cwiseMax(c).array() <= -reach.array()).any()) {
+    return std::nullopt;
+  }
+  const Vec3f ab = b - a, ac = c - a, cross = ab.cross(ac);
+  const float twice_area = cross.norm();
+  if (twice_area < kLeastArea_m2) return std::nullopt;
+  // Away from the box's middle.
+  const Vec3f m = cross * ((cross.dot(a) < 0 ? -1.0f : 1.0f) / twice_area);
+  const Vec3f sign(m.x() < 0 ? -1.0f : 1.0f, m.y() < 0 ? -1.0f : 1.0f, m.z() < 0 ? -1.0f : 1.0f);
+  const Vec3f corner = box.half.cwiseProduct(sign);
+  if (m.dot(a - corner) >= gap_m_) return std::nullopt;
+
+  // Barycentric coordinates above the plane are linear: w = weight . (q - a), the first 1 - w1 -
+  // w2.
+  const Vec3f to_b = ac.cross(cross) / (twice_area * twice_area);
+  const Vec3f to_c = cross.cross(ab) / (twice_area * twice_area);
+  const auto weights = [&](const Vec3f& q) {
+    const float w1 = to_b.dot(q - a), w2 = to_c.dot(q - a);
+    return Vec3f(1 - w1 - w2, w1, w2);
+  };
+  const Vec3f w_corner = weights(corner);
+  std::optional<EdgeContact> deepest;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3f other_end = corner;
+    other_end[axis] = -corner[axis];
+    const Vec3f w_rate = weights(other_end) - w_corner;
+    float from = 0, to = 1;
+    for (int k = 0; k < 3; ++k) {
+      // w_corner + s w_rate >= 0
+      if (w_rate[k] > 0) {
+        from = std::max(from, -w_corner[k] / w_rate[k]);
+      } else if (w_rate[k] < 0) {
+        to = std::min(to, -w_corner[k] / w_rate[k]);
+      } else if (w_corner[k] < 0) {
+        to = -1;
+      }
+    }
+    if (from > to) continue;
+    const Vec3f q = corner + from * (other_end - corner);
+    const float distance = m.dot(a - q);
+    if (distance >= gap_m_ || (deepest && distance >= deepest->distance_m)) continue;
+    const Vec3f w = w_corner + from * w_rate;
+    deepest = {{node, {w[0], w[1], w[2]}, 3}, q, m, distance};
+  }
+  return deepest;
+}
+
+// The dual of SolveSamples: points of the box, and the cloth's normal.
+void RigidContact::SolveEdges(const Substep& substep, const std::vector<int>& triangles,
+                              RigidShape& box, Vec4Array& x) const {
+  const Eigen::Isometry3f X_SW_prev = box.X_WS_prev.inverse();
+  for (const int t : triangles) {
+    const std::optional<EdgeContact> c = FindEdge(box, t, x);
+    if (!c) continue;
+    const Vec3f p_S_prev = X_SW_prev * c->at.At(substep.x_prev);
+    const float before = c->normal_S.dot(p_S_prev - c->q_S);
+    PushOut(substep, c->at, {box.X_WS.linear() * c->normal_S, c->distance_m, before, p_S_prev}, box,
+            x);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/cloth/bag_mesh.h"
@@ -12,7 +13,8 @@
 namespace gusset {
 
 /// Contact of a cloth with rigid shapes. Nodes, edge midpoints and face centres are tested against
-/// the shapes' signed distances. Approach is stopped at once, old overlap undone at the separation
+/// the shapes' signed distances, and edges and corners of boxes that have a mass, which fit between
+/// those, against triangles. Approach is stopped at once, old overlap undone at the separation
 /// speed, with Coulomb friction on the substep's slip; shapes with a mass yield and get the
 /// impulses.
 class RigidContact {
@@ -47,6 +49,25 @@ class RigidContact {
     float h;
   };
 
+  /// Of a point of the cloth and a shape that are too close.
+  struct Overlap {
+    Vec3f normal;                         ///< Away from the shape.
+    float distance_m, distance_before_m;  ///< Now and at the substep's start.
+    Vec3f p_S_before;  ///< The point at the substep's start, in the shape's frame.
+  };
+  /// A point of the cloth that a box's edge or corner is nearest to or deepest beyond.
+  struct EdgeContact {
+    Sample at;
+    Vec3f q_S, normal_S;  ///< The box's point; away from the box.
+    float distance_m;     ///< Negative: the point is beyond the triangle's plane.
+  };
+
+  void PushOut(const Substep& substep, const Sample& m, const Overlap& overlap, RigidShape& shape,
+               Vec4Array& x) const;
+  std::optional<EdgeContact> FindEdge(const RigidShape& box, int triangle,
+                                      const Vec4Array& x) const;
+  void SolveEdges(const Substep& substep, const std::vector<int>& triangles, RigidShape& box,
+                  Vec4Array& x) const;
   void SolveSamples(const Substep& substep, const std::vector<int>& candidates, RigidShape& shape,
                     Vec4Array& x) const;
   bool BorneByTable(const Vec4Array& x, const Vec3f& p) const;
@@ -56,8 +77,9 @@ class RigidContact {
   float separation_speed_m_s_;
   std::vector<Sample> samples_;
   float sample_area_m2_;
-  std::vector<std::vector<int>> near_samples_;  ///< Per shape: samples that may touch it.
-  std::vector<std::uint8_t> beyond_;            ///< Per node: sides of a box that it is beyond.
+  std::vector<std::vector<int>> near_samples_;    ///< Per shape: samples that may touch it.
+  std::vector<std::vector<int>> near_triangles_;  ///< Per shape, if it is a box with a mass.
+  std::vector<std::uint8_t> beyond_;              ///< Per node: sides of a box that it is beyond.
   int since_find_ = 0;
 };
 
