@@ -9,8 +9,9 @@ namespace gusset {
 /// Bullet's own cloth as the benchmark runs it.
 struct BtDeformableConfig {
   /// The inverse of the largest step at which the drag is stable (`Play`): 2026-11, in steps of
-  /// 10 a second, three runs each, for contact order differs from run to run. 140, 160, 170, 200
-  /// and 210 were not stable, 220 and what was tried above it (230, 240, 250, 500) were.
+  /// 10 a second. Contact order differs from run to run: 140, 160, 170, 200 and 210 blew up at
+  /// least once, 150, 180 and 190 did not in the one run each had, 220 and 230 held in three of
+  /// three and 240, 250 and 500 in one.
   int steps_per_s = 220;
   double spring_N_m = 20;  ///< Per link, k. The larger, the smaller the step must be.
   double bending_N_m = 1;  ///< Per link over two edges. With k too, as in Bullet's examples, the
