@@ -62,10 +62,6 @@ std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
                seen.A_o * m2_per_px2};
 }
 
-}  // namespace
-
-namespace {
-
 // A bag that never counts as unfolded, or whose best opening is none.
 void CheckThresholds(const ConfigTree& tree, const std::string& section, const BagThresholds& t) {
   const auto below = [&](const char* key, double value, const char* other, double bound) {

@@ -70,32 +70,47 @@ WorldConfig Sleeping(bool on) {
   return config;
 }
 
+// Puts the cube between the layers of a bulging bag; links and fingers are where they are given.
+void LayDown(World& world, const std::vector<Eigen::Isometry3d>& X_WL, double opening_m) {
+  WorldState state;
+  state.cloth = Bulging(BagConfig{}, 0.035f);
+  state.cube = world.cube();
+  state.cube.X_WB.translation() << 0, 0, 0.030;
+  world.SetState(state);
+  world.PlaceArm(X_WL, opening_m);
+  world.Settle(2);
+}
+
+double BagWeight(const World& world) {
+  double weight_N = 0;
+  for (const float m : world.cloth().mesh().mass_kg) weight_N += kG * m;
+  return weight_N;
+}
+
+double CubeWeight(const World& world) { return kG * world.config().cube_mass_kg; }
+
+bool CubeInside(const World& world) { return world.InsideBag(world.cube().X_WB.translation()); }
+
+// What the hand has to hold before anything can be asked of it: both lips, the cube in the bag.
+void AssertBothLipsHeld(const World& world) {
+  std::set<int> layers;
+  for (const HeldPoint& held : world.cloth().state().held) layers.insert(held.layer);
+  ASSERT_EQ(layers.size(), 2u);
+  ASSERT_TRUE(CubeInside(world));
+}
+
 // A bag with the cube between its layers, held by the rim. The parameter: whether worlds sleep.
 class BagAndCube : public testing::TestWithParam<bool> {
  protected:
   BagAndCube() {
-    WorldState state;
-    state.cloth = Bulging(BagConfig{}, 0.035f);
-    state.cube = world_.cube();
-    state.cube.X_WB.translation() << 0, 0, 0.030;
-    world_.SetState(state);
-    world_.PlaceArm(ToolAt(tool_), kPadGap_m);
-    world_.Settle(2);
+    LayDown(world_, ToolAt(tool_), kPadGap_m);
     world_.BeginHold(kGrip_N);
-    for (const float m : world_.cloth().mesh().mass_kg) bag_N_ += kG * m;
-    weight_N_ = bag_N_ + kG * world_.config().cube_mass_kg;
   }
 
-  void SetUp() override {
-    std::set<int> layers;
-    for (const HeldPoint& held : cloth().held) layers.insert(held.layer);
-    ASSERT_EQ(layers.size(), 2u);
-    ASSERT_TRUE(CubeInside());
-  }
+  void SetUp() override { AssertBothLipsHeld(world_); }
 
   const ClothState& cloth() const { return world_.cloth().state(); }
   const ClothMesh& mesh() const { return world_.cloth().mesh(); }
-  bool CubeInside() const { return world_.InsideBag(world_.cube().X_WB.translation()); }
 
   void LiftTo(double z_m) {
     for (const double way = 0.1 * world_.step_s(); tool_.z() + way < z_m;) {
@@ -150,14 +165,14 @@ class BagAndCube : public testing::TestWithParam<bool> {
 
   World world_{{}, {}, Sleeping(GetParam()), Iiwa()};
   Eigen::Vector3d tool_{0, kHandY_m, 0};
-  double bag_N_ = 0, weight_N_ = 0;
+  const double bag_N_ = BagWeight(world_), weight_N_ = bag_N_ + CubeWeight(world_);
 };
 
 TEST_P(BagAndCube, PullAtTheToolWithTheirWeightOnceTheyHang) {
   LiftTo(0.45);
   Wait(2);  // the swing's first beats
   EXPECT_GT(world_.LowestPoint(), 0.05);
-  EXPECT_TRUE(CubeInside());
+  EXPECT_TRUE(CubeInside(world_));
   EXPECT_EQ(CountCrossings(mesh(), cloth().x), 0);
   EXPECT_NEAR(MeanPull(4), weight_N_, 0.02 * weight_N_);
 }
@@ -167,13 +182,7 @@ TEST_P(BagAndCube, PullAtTheToolWithTheirWeightOnceTheyHang) {
 class BagAndCubeInTheFingers : public testing::TestWithParam<bool> {
  protected:
   BagAndCubeInTheFingers() {
-    WorldState state;
-    state.cloth = Bulging(BagConfig{}, 0.035f);
-    state.cube = world_.cube();
-    state.cube.X_WB.translation() << 0, 0, 0.030;
-    world_.SetState(state);
-    world_.PlaceArm(HandAt(Iiwa(), tool_, opening_m_), opening_m_);
-    world_.Settle(2);
+    LayDown(world_, HandAt(Iiwa(), tool_, opening_m_), opening_m_);
     MoveTo(0, 0.03);
     const double change_m = 2 * Iiwa().config().finger_speed_min_m_s * world_.step_s();
     while (opening_m_ > change_m && !world_.PadsBlocked() && world_.PadForce() < kGrip_N) {
@@ -181,15 +190,10 @@ class BagAndCubeInTheFingers : public testing::TestWithParam<bool> {
       Step(false);
     }
     world_.BeginHold(kGrip_N);
-    for (const float m : world_.cloth().mesh().mass_kg) weight_N_ += kG * m;
-    weight_N_ += kG * world_.config().cube_mass_kg;
   }
 
   void SetUp() override {
-    std::set<int> layers;
-    for (const HeldPoint& held : world_.cloth().state().held) layers.insert(held.layer);
-    ASSERT_EQ(layers.size(), 2u);
-    ASSERT_TRUE(world_.InsideBag(world_.cube().X_WB.translation()));
+    AssertBothLipsHeld(world_);
     ASSERT_LT(opening_m_, 0.02) << "the fingers are not closed";
   }
 
@@ -216,7 +220,7 @@ class BagAndCubeInTheFingers : public testing::TestWithParam<bool> {
   World world_{{}, {}, Sleeping(GetParam()), Iiwa()};
   Eigen::Vector3d tool_{0, kHandY_m, 0.1};
   double opening_m_ = Iiwa().max_opening_m();
-  double weight_N_ = 0;
+  const double weight_N_ = BagWeight(world_) + CubeWeight(world_);
 };
 
 // Fingers that press cloth which they hold themselves push nothing but the gripper, neither upwards
