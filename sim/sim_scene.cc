@@ -62,6 +62,7 @@ void SimConfig::Read(ConfigTree& tree) {
   tree.Read("camera", camera);
   tree.Read("sensor", sensor);
   tree.Read("light", light);
+  tree.Read("variation", variation);
   tree.Read("starts", starts);
   CheckBag(tree, *this);
   CheckStarts(tree, *this);
@@ -75,6 +76,7 @@ void SimConfig::AppendTo(std::string& out) const {
   AppendToml("camera", camera, out);
   AppendToml("sensor", sensor, out);
   AppendToml("light", light, out);
+  AppendToml("variation", variation, out);
   AppendToml("starts", starts, out);
 }
 
@@ -142,6 +144,7 @@ SimScene::SimScene(const SimConfig& config)
           {config.camera.fx, config.camera.fy, config.camera.cx, config.camera.cy, 640, 480},
           config.camera.height_m)),
       arm_(ArmModel::Load(config.robot, AssetsFolder())),
+      look_(NominalLook()),
       labels_(MakeLabels(config.bag)),
       cube_mesh_(BoxMesh(Eigen::Vector3d::Constant(config.world.cube_side_m))),
       camera_noise_(0) {
@@ -193,6 +196,17 @@ void SimScene::Rebuild(const WorldState& state, const SimRobotState& robot) {
   slot_->next_s = 0;
 }
 
+SceneLook SimScene::NominalLook() const {
+  SceneLook look;
+  look.light = config_.light;
+  const std::vector<double>& rgb = config_.bag.colour_rgb;
+  look.bag_rgb = Eigen::Vector3d(rgb[0], rgb[1], rgb[2]).cast<float>();
+  look.label_rgb = ClothItem().label_rgb;
+  look.canvas_rgb = statics_.items()[kCanvasItem].rgb;
+  look.labels_per_layer = config_.bag.labels_per_layer;
+  return look;
+}
+
 Snapshot SimScene::Save() { return PackSnapshot(world_->state(), robot_->Save()); }
 
 void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
@@ -206,12 +220,25 @@ void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   Rebuild(state, robot);
   robot_->SeedSensors(DeriveSeed(sensor_seed, "torque"));
   camera_noise_ = Rng(DeriveSeed(sensor_seed, "camera"));
+  look_ = Vary(NominalLook(), config_.variation, sensor_seed);
+  BagConfig bag = config_.bag;
+  bag.labels_per_layer = look_.labels_per_layer;
+  labels_ = MakeLabels(bag);
 }
 
 RgbdFrame SimScene::Look(const CameraModel& camera) {
   SceneView view;
   view.items = statics_.items();
-  view.light = config_.light;
+  view.items[kCanvasItem].rgb = look_.canvas_rgb;
+  view.light = look_.light;
+  view.canvas_seed = look_.canvas_seed;
+  for (const Clutter& block : look_.clutter) {
+    RenderItem item;
+    item.mesh = &block.mesh;
+    item.X_WM = block.X_WM;
+    item.rgb = block.rgb;
+    view.items.push_back(item);
+  }
   const std::vector<RobotLink>& links = arm_.robot().links();
   for (std::size_t l = 0; l < links.size(); ++l) {
     for (const VisualMesh& visual : links[l].visuals) {
@@ -226,6 +253,7 @@ RgbdFrame SimScene::Look(const CameraModel& camera) {
   cube.mesh = &cube_mesh_;
   cube.X_WM = world_->cube().X_WB;
   cube.rgb = kCubeRgb;
+  cube.contrast = kCubeContrast;
   view.items.push_back(cube);
 
   const ClothMesh& mesh = world_->cloth().mesh();
@@ -234,9 +262,8 @@ RgbdFrame SimScene::Look(const CameraModel& camera) {
   view.cloth.triangle_layer = mesh.triangle_layer;
   view.cloth.uv = mesh.uv;
   view.cloth.thickness_m = mesh.thickness_m;
-  for (int k = 0; k < 3; ++k) {
-    view.cloth.rgb[k] = static_cast<float>(config_.bag.colour_rgb[static_cast<std::size_t>(k)]);
-  }
+  view.cloth.rgb = look_.bag_rgb;
+  view.cloth.label_rgb = look_.label_rgb;
   for (const BagLabel& l : labels_) {
     view.cloth.labels.push_back({l.u0, l.u1, l.v0, l.v1, l.layer});
   }
@@ -244,8 +271,10 @@ RgbdFrame SimScene::Look(const CameraModel& camera) {
 }
 
 RgbdFrame SimScene::Look() {
-  RgbdFrame frame = Look(camera_);
-  AddSensorNoise(frame, config_.sensor, camera_noise_);
+  CameraModel camera = camera_;
+  camera.X_WC = camera_.X_WC * look_.X_CD;
+  RgbdFrame frame = Look(camera);
+  AddSensorNoise(frame, config_.sensor, camera.pinhole.fx, camera_noise_);
   return frame;
 }
 

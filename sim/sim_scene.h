@@ -10,6 +10,7 @@
 #include "sim/render/renderer.h"
 #include "sim/render/sensor.h"
 #include "sim/render/statics.h"
+#include "sim/render/variation.h"
 #include "sim/robot/sim_robot.h"
 #include "sim/snapshot.h"
 #include "sim/start_cache.h"
@@ -44,6 +45,7 @@ struct SimConfig {
   CameraConfig camera;
   SensorConfig sensor;
   LightConfig light;
+  VariationConfig variation;
   StartConfig starts;
 
   /// Reads all sections and checks what bounds alone cannot. @throws InputError.
@@ -63,6 +65,7 @@ class SimScene : public ScenePort, public CameraPort {
   void Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) override;
   double time_s() const override;
 
+  /// The camera as calibrated; where variation moves it, nobody knows.
   const CameraModel& model() const override { return camera_; }
   RgbdFrame Look() override;
   /// Without noise, from any camera.
@@ -82,13 +85,15 @@ class SimScene : public ScenePort, public CameraPort {
  private:
   class Slot;
   void Rebuild(const WorldState& state, const SimRobotState& robot);
+  SceneLook NominalLook() const;
 
   SimConfig config_;
   CameraModel camera_;
   ArmModel arm_;
+  Statics statics_;
+  SceneLook look_;
   std::vector<BagLabel> labels_;
   Renderer renderer_;
-  Statics statics_;
   TriMesh cube_mesh_;
   StartCache cache_;
   std::string start_key_;

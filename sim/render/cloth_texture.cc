@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/random.h"
+#include "sim/render/creases.h"
 
 namespace gusset {
 namespace {
@@ -30,6 +32,46 @@ float Band(float x, float lo, float hi, float soft) {
   return std::clamp(std::min(x - lo, hi - x) / soft + 0.5f, 0.0f, 1.0f);
 }
 
+/// How a layer that lies flat is shaded all the same: two folds that ironing left, pulls of the
+/// cloth in all directions, and shallow waves. Strengths as in figure 5.2 b, c (tuned by eye).
+cv::Mat_<float> Wrinkles(int layer, const Eigen::Vector2f& extent_m, cv::Size pixels) {
+  constexpr auto kRight = static_cast<float>(std::numbers::pi / 2);
+  Rng rng(DeriveSeed(1, "cloth wrinkles", static_cast<std::uint64_t>(layer)));
+  const Eigen::Vector2f px_per_m(static_cast<float>(pixels.width) / extent_m.x(),
+                                 static_cast<float>(pixels.height) / extent_m.y());
+  const cv::Mat_<float> waves = RandomLattice(16, rng.Bits());
+  cv::Mat_<float> map(pixels);
+  for (int row = 0; row < map.rows; ++row) {
+    const float v = static_cast<float>(row) / px_per_m.y();
+    for (int column = 0; column < map.cols; ++column) {
+      // Slope towards the light of a surface whose waves are some 3 cm wide.
+      const float x = static_cast<float>(column) / px_per_m.x() * 30, y = v * 22;
+      map(row, column) =
+          0.018f * (LatticeNoise(waves, x + 0.5f, y + 0.5f) - LatticeNoise(waves, x, y));
+    }
+  }
+  AddCrease(map, px_per_m,
+            {{0.64f * extent_m.x(), 0.45f * extent_m.y()},
+             kRight,
+             0.8f * extent_m.y(),
+             0.1f,
+             0.0025f,
+             0.045f});
+  AddCrease(map, px_per_m,
+            {{0.5f * extent_m.x(), 0.36f * extent_m.y()},
+             0.02f,
+             0.8f * extent_m.x(),
+             0.1f,
+             0.0030f,
+             0.030f});
+  const Crease least{.length_m = 0.05f, .bend_1_m = -4, .width_m = 0.003f, .strength = 0.012f};
+  const Crease most{.length_m = 0.20f, .bend_1_m = 4, .width_m = 0.010f, .strength = 0.045f};
+  for (int i = 0; i < 18; ++i) {
+    AddCrease(map, px_per_m, RandomCrease(extent_m, kRight, kRight, least, most, rng));
+  }
+  return map;
+}
+
 }  // namespace
 
 cv::Mat ClothTexture(const ClothItem& cloth, int layer, const Eigen::Vector2f& extent_m,
@@ -38,6 +80,7 @@ cv::Mat ClothTexture(const ClothItem& cloth, int layer, const Eigen::Vector2f& e
   constexpr float kHem = 0.012f, kStitch = 0.003f, kThread = 0.0012f, kSoft = 0.0012f;
   const cv::Mat_<float> patches = RandomLattice(24, DeriveSeed(1, "cloth patches", layer));
   const cv::Mat_<float> slubs = RandomLattice(128, DeriveSeed(1, "cloth slubs", layer));
+  const cv::Mat_<float> wrinkles = Wrinkles(layer, extent_m, pixels);
   cv::Mat texture(pixels, CV_8UC3);
   for (int row = 0; row < pixels.height; ++row) {
     const float v =
@@ -46,7 +89,7 @@ cv::Mat ClothTexture(const ClothItem& cloth, int layer, const Eigen::Vector2f& e
       const float u =
           (static_cast<float>(column) + 0.5f) / static_cast<float>(pixels.width) * extent_m.x();
       const float edge = std::min({u, extent_m.x() - u, extent_m.y() - v});
-      float shade = 1 + 0.012f * LatticeNoise(patches, u * 80, v * 80) +
+      float shade = 1 + wrinkles(row, column) + 0.012f * LatticeNoise(patches, u * 80, v * 80) +
                     // Threads are thicker here and there, along the weave's two directions.
                     0.012f * LatticeNoise(slubs, u * 150, v * 1200) +
                     0.012f * LatticeNoise(slubs, u * 1200, v * 150);
@@ -58,7 +101,8 @@ cv::Mat ClothTexture(const ClothItem& cloth, int layer, const Eigen::Vector2f& e
         if (label.layer != layer) continue;
         const float cover =
             std::min(Band(u, label.u0, label.u1, kSoft), Band(v, label.v0, label.v1, kSoft));
-        rgb = rgb * (1 - cover) + cloth.label_rgb * cover;
+        const float worn = 1 + 0.10f * LatticeNoise(patches, u * 250 + 7, v * 250);
+        rgb = rgb * (1 - cover) + cloth.label_rgb * (worn * cover);
       }
       rgb *= shade * 255;
       texture.at<cv::Vec3b>(row, column) =
@@ -69,19 +113,35 @@ cv::Mat ClothTexture(const ClothItem& cloth, int layer, const Eigen::Vector2f& e
   return texture;
 }
 
-cv::Mat FabricTexture(int pixels) {
-  const cv::Mat_<float> coarse = RandomLattice(5, DeriveSeed(1, "fabric coarse"));
-  const cv::Mat_<float> middle = RandomLattice(23, DeriveSeed(1, "fabric middle"));
-  const cv::Mat_<float> fine = RandomLattice(pixels, DeriveSeed(1, "fabric fine"));
+cv::Mat FabricTexture(int pixels, float side_m, std::uint64_t seed) {
+  constexpr auto kRight = static_cast<float>(std::numbers::pi / 2);
+  Rng rng(DeriveSeed(seed, "fabric"));
+  const cv::Mat_<float> coarse = RandomLattice(5, rng.Bits());
+  const cv::Mat_<float> middle = RandomLattice(23, rng.Bits());
+  const cv::Mat_<float> fine = RandomLattice(pixels, rng.Bits());
   cv::Mat texture(pixels, pixels, CV_32FC1);
   for (int row = 0; row < pixels; ++row) {
     for (int column = 0; column < pixels; ++column) {
       const float x = static_cast<float>(column) / static_cast<float>(pixels);
       const float y = static_cast<float>(row) / static_cast<float>(pixels);
-      texture.at<float>(row, column) = 0.5f * LatticeNoise(coarse, 5 * x, 5 * y) +
-                                       0.3f * LatticeNoise(middle, 23 * x, 23 * y) +
-                                       0.2f * fine(row, column);
+      // Threads: as fine as the map across, long along the columns and, fainter, along the rows.
+      const auto n = static_cast<float>(pixels);
+      texture.at<float>(row, column) =
+          0.18f * LatticeNoise(coarse, 5 * x, 5 * y) +
+          0.12f * LatticeNoise(middle, 23 * x, 23 * y) + 0.22f * LatticeNoise(fine, n * x, 40 * y) +
+          0.10f * LatticeNoise(fine, 40 * x + 11, n * y + 17) + 0.10f * fine(row, column);
     }
+  }
+  // Folds as in figure 5.2 e: most along the columns, some aslant (tuned by eye).
+  const Eigen::Vector2f px_per_m = Eigen::Vector2f::Constant(static_cast<float>(pixels) / side_m);
+  const Eigen::Vector2f extent = Eigen::Vector2f::Constant(side_m);
+  const Crease least{.length_m = 0.03f, .bend_1_m = -2, .width_m = 0.004f, .strength = 0.15f};
+  const Crease most{.length_m = 0.22f, .bend_1_m = 2, .width_m = 0.008f, .strength = 0.55f};
+  for (int i = 0; i < 40; ++i) {
+    AddCrease(texture, px_per_m, RandomCrease(extent, kRight, 0.3f, least, most, rng));
+  }
+  for (int i = 0; i < 12; ++i) {
+    AddCrease(texture, px_per_m, RandomCrease(extent, 0, 0.7f, least, most, rng));
   }
   return texture;
 }

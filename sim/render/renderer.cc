@@ -28,6 +28,8 @@ constexpr int kGroundPixels = 256;
 constexpr double kGroundHalf_m = 0.48, kHeightRange_m = 1.5, kCaster_m = 0.05;
 constexpr double kBlurTexels = 2.0;
 
+constexpr float kFlat_m = 0.001f;  // what reaches no higher is the table
+
 constexpr int kClothTexturePixels = 384;
 constexpr int kClothLevels = 1;
 constexpr double kCrease_deg = 40;
@@ -91,6 +93,10 @@ Eigen::Vector3d TowardsLight(const LightConfig& light) {
           std::sin(elevation)};
 }
 
+Eigen::Vector3f ColourOf(const LightConfig& light) {
+  return Eigen::Vector3d(light.gain * light.red, light.gain, light.gain * light.blue).cast<float>();
+}
+
 /// Seen from above, sheared so that every ray of the light meets one texel; depth 1 is height 0.
 Eigen::Matrix4f GroundFromWorld(const Eigen::Vector2d& shear) {
   Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
@@ -146,8 +152,9 @@ struct Renderer::Impl {
   void UpdateClothTexture(const ClothItem& item);
   void DrawGroundMap(const SceneView& scene, const Eigen::Vector2d& shear);
   void SetLight(const LightConfig& light, const Eigen::Vector2d& shear);
-  void DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
+  void DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world, bool standing);
   void DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
+  void SortCloth(const Eigen::Matrix4f& clip_from_world);
   RgbdFrame ReadBack();
 
   GlContext context;
@@ -159,7 +166,9 @@ struct Renderer::Impl {
   int width = 0, height_px = 0;
   std::map<const TriMesh*, MeshOnCard> meshes;
   ClothOnCard cloth;
-  cv::Mat mottle;                        // CV_32FC1, the ground map's second channel
+  cv::Mat mottle;  // CV_32FC1, the ground map's second channel
+  std::uint64_t mottle_seed = 0;
+  std::vector<std::array<unsigned, 3>> sorted;
   cv::Mat heights, ground, rgba, depth;  // kept from frame to frame to save allocations
 };
 
@@ -191,8 +200,6 @@ Renderer::Impl::Impl() : gl(context.gl()) {
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
     gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
   }
-
-  mottle = FabricTexture(kGroundPixels);
 
   gl.GenVertexArrays(1, &cloth.vertex_array);
   gl.GenTextures(1, &cloth.texture);
@@ -379,7 +386,7 @@ void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d
     const Eigen::Isometry3f X_WM = item.X_WM.cast<float>();
     const Bounds bounds = BoundsInWorld(mesh.bounds, X_WM);
     // What reaches no higher than the table casts no shadow on it.
-    if (bounds.hi.z() <= 0.001f || !MayBeSeen(bounds, clip_from_world)) continue;
+    if (bounds.hi.z() <= kFlat_m || !MayBeSeen(bounds, clip_from_world)) continue;
     Set("X_WM", X_WM.matrix());
     gl.BindVertexArray(mesh.vertex_array);
     gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
@@ -399,6 +406,10 @@ void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d
         std::min((1 - value) * static_cast<float>(kHeightRange_m), static_cast<float>(kCaster_m));
   }
   cv::GaussianBlur(heights, heights, {9, 9}, kBlurTexels, kBlurTexels, cv::BORDER_REPLICATE);
+  if (mottle.empty() || mottle_seed != scene.canvas_seed) {
+    mottle = FabricTexture(kGroundPixels, static_cast<float>(2 * kGroundHalf_m), scene.canvas_seed);
+    mottle_seed = scene.canvas_seed;
+  }
   cv::merge(std::array{heights, mottle}, ground);
   gl.ActiveTexture(GL_TEXTURE1);
   gl.BindTexture(GL_TEXTURE_2D, ground_texture);
@@ -409,33 +420,69 @@ void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d
 void Renderer::Impl::SetLight(const LightConfig& light, const Eigen::Vector2d& shear) {
   Set("light", Eigen::Vector3f(TowardsLight(light).cast<float>()));
   Set("darkest", static_cast<float>(1 - light.contrast));
+  const double per_m = light.uneven / 0.3;
+  const Eigen::Vector2d towards = shear.normalized() * per_m;
+  Set("brighter", Eigen::Vector2f(towards.cast<float>()));
   Set("shadow", static_cast<float>(light.shadow));
   Set("shear", Eigen::Vector2f(shear.cast<float>()));
   Set("ground_half", static_cast<float>(kGroundHalf_m));
   SetSampler("ground", 1);
 }
 
-void Renderer::Impl::DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world) {
+// Either what stands up from the table or the table itself and what lies no higher.
+void Renderer::Impl::DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
+                               bool standing) {
   gl.FrontFace(GL_CW);
   Set("clip_from_world", clip_from_world);
   for (const RenderItem& item : scene.items) {
     const MeshOnCard& mesh = Mesh(*item.mesh);
     const Eigen::Isometry3f X_WM = item.X_WM.cast<float>();
-    if (!MayBeSeen(BoundsInWorld(mesh.bounds, X_WM), clip_from_world)) continue;
+    const Bounds bounds = BoundsInWorld(mesh.bounds, X_WM);
+    if ((bounds.hi.z() > kFlat_m) != standing || !MayBeSeen(bounds, clip_from_world)) continue;
     Set("X_WM", X_WM.matrix());
-    Set("rgb", Eigen::Vector3f(item.rgb * static_cast<float>(scene.light.gain)));
+    Set("rgb", Eigen::Vector3f(item.rgb.cwiseProduct(ColourOf(scene.light))));
+    Set("darkest", std::min(1 - item.contrast, static_cast<float>(1 - scene.light.contrast)));
     Set("mottle", item.mottle);
     gl.BindVertexArray(mesh.vertex_array);
     gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   }
 }
 
+// Nearest first: what lies under other cloth then fails the depth test before it is shaded, and a
+// bag has two layers everywhere, a folded one more. Bins keep neighbours together; exact order
+// would gain nothing.
+void Renderer::Impl::SortCloth(const Eigen::Matrix4f& clip_from_world) {
+  constexpr int kBins = 64;
+  const std::vector<Eigen::Vector3f>& positions = cloth.surface->positions();
+  const std::vector<std::array<unsigned, 3>>& triangles = cloth.surface->triangles();
+  const Eigen::Vector3f axis = clip_from_world.block<1, 3>(3, 0).transpose();
+  std::vector<float> distance(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) distance[i] = axis.dot(positions[i]);
+  const auto [least, most] = std::ranges::minmax(distance);
+  const float per_m = (kBins - 1) / std::max(most - least, 1e-6f);
+  std::vector<unsigned char> bin(triangles.size());
+  std::array<unsigned, kBins + 1> begin{};
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto [a, b, c] = triangles[t];
+    const float nearest = std::min({distance[a], distance[b], distance[c]});
+    bin[t] = static_cast<unsigned char>((nearest - least) * per_m);
+    ++begin[bin[t] + 1u];
+  }
+  for (int k = 0; k < kBins; ++k) begin[k + 1] += begin[k];
+  sorted.resize(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) sorted[begin[bin[t]]++] = triangles[t];
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, cloth.indices);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, sorted.size() * 3 * sizeof(unsigned), sorted.data(),
+                GL_STREAM_DRAW);
+}
+
 void Renderer::Impl::DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world) {
   SetSampler("weave", 0);
   Set("clip_from_world", clip_from_world);
   Set("extent", cloth.extent_m);
-  Set("gain", static_cast<float>(scene.light.gain));
+  Set("gain", ColourOf(scene.light));
   gl.BindVertexArray(cloth.vertex_array);
+  SortCloth(clip_from_world);
   const auto indices = static_cast<GLsizei>(3 * cloth.surface->triangles().size());
   // A shell: one side along the normals, one against them. Its rim, one thickness wide, is less
   // than a pixel and stays open.
@@ -457,12 +504,17 @@ RgbdFrame Renderer::Impl::ReadBack() {
   constexpr auto kInverseNear = static_cast<float>(1 / (1000 * kNear_m));
   constexpr auto kSlope = static_cast<float>(1 / (1000 * kNear_m) - 1 / (1000 * kFar_m));
   frame.depth_mm.create(height_px, width, CV_16UC1);
+  std::vector<float> z(static_cast<std::size_t>(width));
   for (int row = 0; row < height_px; ++row) {
     const float* d = depth.ptr<float>(row);
     auto* mm = frame.depth_mm.ptr<std::uint16_t>(row);
+    // In two loops, which the compiler makes vectors of; in one it does not.
     for (int column = 0; column < width; ++column) {
-      const int z = static_cast<int>(1 / (kInverseNear - kSlope * d[column]) + 0.5f);
-      mm[column] = static_cast<std::uint16_t>(d[column] < 1 ? z : 0);
+      const float rounded = 1 / (kInverseNear - kSlope * d[column]) + 0.5f;
+      z[column] = d[column] < 1 ? rounded : 0.0f;
+    }
+    for (int column = 0; column < width; ++column) {
+      mm[column] = static_cast<std::uint16_t>(static_cast<int>(z[column]));
     }
   }
   return frame;
@@ -496,14 +548,17 @@ RgbdFrame Renderer::Render(const SceneView& scene, const CameraModel& camera) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, impl.frame_buffer);
   gl.Viewport(0, 0, impl.width, impl.height_px);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  if (has_cloth) {  // first, so that the canvas under it is not shaded
+  // Nearest first as a rule, so that what they hide is not shaded.
+  impl.Use(impl.rigid_program);
+  impl.SetLight(scene.light, shear);
+  impl.DrawItems(scene, clip_from_world, /*standing=*/true);
+  if (has_cloth) {
     impl.Use(impl.cloth_program);
     impl.SetLight(scene.light, shear);
     impl.DrawCloth(scene, clip_from_world);
   }
   impl.Use(impl.rigid_program);
-  impl.SetLight(scene.light, shear);
-  impl.DrawItems(scene, clip_from_world);
+  impl.DrawItems(scene, clip_from_world, /*standing=*/false);
   return impl.ReadBack();
 }
 

@@ -16,7 +16,8 @@ struct RenderItem {
       nullptr;  ///< Closed, or only ever seen from outside: back faces are culled.
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();  ///< Pose of the mesh, metres.
   Eigen::Vector3f rgb = {0.5f, 0.5f, 0.5f};
-  float mottle = 0;  ///< Strength 0..1 of a fabric-like texture fixed to the world's x and y.
+  float mottle = 0;    ///< Strength 0..1 of a fabric-like texture fixed to the world's x and y.
+  float contrast = 0;  ///< Of the light on it, if more than the light's own.
 };
 
 /// A printed patch on one layer, seen from both sides. Cloth coordinates, metres.
@@ -36,7 +37,7 @@ struct ClothItem {
   float thickness_m = 0.001f;
   float floor_z_m = 0;  ///< The surface between nodes is not drawn below this (the table's top).
   Eigen::Vector3f rgb = {0.89f, 0.87f, 0.82f};        ///< Cream cotton.
-  Eigen::Vector3f label_rgb = {0.58f, 0.82f, 0.34f};  ///< Yellow-green; OpenCV hue 45.
+  Eigen::Vector3f label_rgb = {0.58f, 0.78f, 0.35f};  ///< Yellow-green; OpenCV hue 44.
   std::vector<LabelPatch> labels;
 };
 
@@ -46,7 +47,9 @@ struct LightConfig {
   double elevation_deg = 62;  ///< Above the table.
   double contrast = 0.45;     ///< 1 - (brightness of the darkest place / of the brightest).
   double shadow = 0.55;       ///< Strength of soft shadows and creases; 0: none.
-  double gain = 1;            ///< Scales every colour.
+  double uneven = 0.10;       ///< Brighter towards the light by this share per 0.3 m; tuned.
+  double gain = 1;            ///< Scales every colour,
+  double red = 1, blue = 1;   ///< red and blue against green.
 
   template <class V>
   void Fields(V& v) {
@@ -54,15 +57,22 @@ struct LightConfig {
     v("elevation_deg", elevation_deg, {20, 90});
     v("contrast", contrast, {0, 0.9});
     v("shadow", shadow, {0, 1});
+    v("uneven", uneven, {0, 0.5});
     v("gain", gain, {0.2, 2});
+    v("red", red, {0.5, 2});
+    v("blue", blue, {0.5, 2});
   }
 };
+
+/// The canvas's folds as figure 5.2's states are compared with.
+inline constexpr std::uint64_t kCanvasSeed = 1;
 
 /// Everything one frame shows. Meshes need live only during Render.
 struct SceneView {
   std::vector<RenderItem> items;
   ClothItem cloth;
   LightConfig light;
+  std::uint64_t canvas_seed = kCanvasSeed;  ///< Of the mottling and its folds.
 };
 
 }  // namespace gusset

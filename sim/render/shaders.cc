@@ -11,6 +11,12 @@ namespace gusset {
   "  return 0.75 * key * key + 0.25 * (0.5 + 0.5 * n.z);\n" \
   "}\n"
 
+// Brighter on the lamp's side of the table: linear over it, so that a table of four corners is
+// right.
+#define GUSSET_NEARNESS      \
+  "uniform vec2 brighter;\n" \
+  "float Nearness(vec3 p) { return clamp(1.0 + dot(brighter, p.xy), 0.5, 1.5); }\n"
+
 // `ground` is a map of the table's plane. Red is the blurred height (m) of what the light meets
 // first on its way there: whatever lies below it gets the less light the deeper it lies. In a
 // crease the blurred height exceeds the crease's own, so creases darken too. Green is mottling; one
@@ -32,13 +38,15 @@ const char* const kRigidVertexShader =
     "in vec3 position;\n"
     "in vec3 normal;\n"
     "uniform mat4 X_WM;\n"
-    "uniform mat4 clip_from_world;\n" GUSSET_LIT
+    "uniform mat4 clip_from_world;\n" GUSSET_LIT GUSSET_NEARNESS
     "out vec3 p_W;\n"
     "out float lit;\n"
+    "out float nearness;\n"
     "void main() {\n"
     "  vec4 p = X_WM * vec4(position, 1.0);\n"
     "  p_W = p.xyz;\n"
     "  lit = Lit(mat3(X_WM) * normal);\n"
+    "  nearness = Nearness(p_W);\n"
     "  gl_Position = clip_from_world * p;\n"
     "}\n";
 
@@ -46,6 +54,7 @@ const char* const kRigidFragmentShader =
     "#version 330 core\n"
     "in vec3 p_W;\n"
     "in float lit;\n"
+    "in float nearness;\n"
     "uniform vec3 rgb;\n"
     "uniform float mottle;\n"
     "uniform float darkest;\n" GUSSET_GROUND
@@ -53,7 +62,7 @@ const char* const kRigidFragmentShader =
     "void main() {\n"
     "  vec2 here = Ground(p_W);\n"
     "  float shade = darkest + (1.0 - darkest) * lit * here.x;\n"
-    "  color = vec4(rgb * (shade * (1.0 + mottle * here.y)), 1.0);\n"
+    "  color = vec4(rgb * (nearness * shade * (1.0 + mottle * here.y)), 1.0);\n"
     "}\n";
 
 const char* const kClothVertexShader =
@@ -63,14 +72,16 @@ const char* const kClothVertexShader =
     "in vec3 uv_layer;\n"
     "uniform float offset;\n"  // the shell's side: plus or minus half the thickness
     "uniform vec2 extent;\n"
-    "uniform mat4 clip_from_world;\n"
+    "uniform mat4 clip_from_world;\n" GUSSET_NEARNESS
     "out vec3 p_W;\n"
     "out vec3 n_W;\n"
     "out vec3 texel;\n"
+    "out float nearness;\n"
     "void main() {\n"
     "  p_W = position + offset * normal;\n"
     "  n_W = sign(offset) * normal;\n"
     "  texel = vec3(uv_layer.xy / extent, uv_layer.z);\n"
+    "  nearness = Nearness(p_W);\n"
     "  gl_Position = clip_from_world * vec4(p_W, 1.0);\n"
     "}\n";
 
@@ -79,14 +90,15 @@ const char* const kClothFragmentShader =
     "in vec3 p_W;\n"
     "in vec3 n_W;\n"
     "in vec3 texel;\n"
-    "uniform float gain;\n"
+    "in float nearness;\n"
+    "uniform vec3 gain;\n"
     "uniform float darkest;\n"
     "uniform sampler2DArray weave;\n" GUSSET_LIT GUSSET_GROUND
     "out vec4 color;\n"
     "void main() {\n"
     // The mesh is coarse; normals taken per pixel make it look as smooth as the cloth is.
     "  float shade = darkest + (1.0 - darkest) * Lit(normalize(n_W)) * Ground(p_W).x;\n"
-    "  color = vec4(texture(weave, texel).rgb * (shade * gain), 1.0);\n"
+    "  color = vec4(texture(weave, texel).rgb * gain * (nearness * shade), 1.0);\n"
     "}\n";
 
 const char* const kHeightVertexShader =
@@ -101,6 +113,7 @@ const char* const kHeightFragmentShader =
     "void main() {}\n";
 
 #undef GUSSET_LIT
+#undef GUSSET_NEARNESS
 #undef GUSSET_GROUND
 
 }  // namespace gusset

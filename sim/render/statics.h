@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "sim/render/scene_view.h"
@@ -23,7 +24,11 @@ class Statics {
   std::vector<RenderItem> items_;
 };
 
-/// Colour of the cube: the slightly orange red of the published pictures.
-inline const Eigen::Vector3f kCubeRgb{0.86f, 0.17f, 0.09f};
+/// Which of Statics' items the canvas is.
+inline constexpr std::size_t kCanvasItem = 0;
+
+/// Colour of the cube, the orange red of the published pictures, and how much darker its sides are.
+inline const Eigen::Vector3f kCubeRgb{0.95f, 0.22f, 0.07f};
+inline constexpr float kCubeContrast = 0.75f;
 
 }  // namespace gusset

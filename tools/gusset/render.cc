@@ -51,13 +51,19 @@ class RenderCommand final : public Command {
     app.add_option("--out", out_, "Folder to write")->required()->type_name("DIR");
     app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [bag1]");
     app.add_option("--policy", policy_, "Who acts on the way to the state")->capture_default_str();
+    app.add_flag("--vary", vary_,
+                 "Vary light, camera, colours, labels and clutter: variation.amount = 1");
     common_.AddTo(app);
   }
 
   void Run() override {
     common_.StartLog();
     const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
-    Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
+    Settings settings = LoadSettings(
+        common_, {.base = base,
+                  .bag = bag_,
+                  .assignments = {{"--vary", "variation.amount",
+                                   vary_ ? std::optional<std::string>("1") : std::nullopt}}});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
     MakeFolder(out_);
     LineLog labels(std::filesystem::path(out_) / "labels.jsonl");
@@ -136,6 +142,7 @@ class RenderCommand final : public Command {
   std::uint64_t seed_ = 1;
   std::string out_;
   std::optional<std::string> bag_;
+  bool vary_ = false;
   std::string policy_ = "random";
   int written_ = 0;
 };
