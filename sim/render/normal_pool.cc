@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kPoolSize = 1 << 18;
 
-/// Ends with a copy of its beginning, so that a row may start anywhere.
+}  // namespace
+
 const std::vector<float>& NormalPool() {
   static const std::vector<float> pool = [] {
     Rng rng(DeriveSeed(1, "normal pool"));
@@ -20,14 +21,15 @@ const std::vector<float>& NormalPool() {
     }
     // Neighbours in a row must not be each other's mirror image.
     for (int i = kPoolSize - 1; i > 0; --i) std::swap(values[i], values[rng.Below(i + 1)]);
+    // Ends with a copy of its beginning, so that a row may start anywhere.
     for (int i = 0; i < kMaxNormalRow; ++i) values.push_back(values[i]);
     return values;
   }();
   return pool;
 }
 
-}  // namespace
+int NormalPlace(Rng& rng) { return rng.Below(kPoolSize); }
 
-const float* NormalRow(Rng& rng) { return NormalPool().data() + rng.Below(kPoolSize); }
+const float* NormalRow(Rng& rng) { return NormalPool().data() + NormalPlace(rng); }
 
 }  // namespace gusset

@@ -125,6 +125,21 @@ TEST_F(Cli, BagFilesThatDescribeNoBagAreRefused) {
   EXPECT_FALSE(fs::exists(dir_ / "frames"));
 }
 
+TEST_F(Cli, CamerasThatDoNotExistAreRefused) {
+  const std::string render = "render --state s1 --out " + (dir_ / "frames").string();
+  ExpectRefused(render + " --set sensor.preset=kinect",
+                "--set: sensor.preset = \"kinect\" is not one of \"realsense\", \"clean\"");
+  ExpectRefused(render + " --set light.red=nan", "--set: light.red = nan is not within [0.5, 2]");
+  const fs::path config = Write("c.toml", "[sensor]\nedge_step_mm = -1\n[variation]\namount = 2\n");
+  ExpectRefused(render + " --config " + config.string(),
+                "c.toml:2: sensor.edge_step_mm = -1 is not within [0, 1000]");
+  ExpectRefused(render + " --config " + config.string() + " --set sensor.edge_step_mm=0",
+                "c.toml:4: variation.amount = 2 is not within [0, 1]");
+  ExpectRefused(render + " --vary --set variation.clutter=1.5",
+                "variation.clutter = 1.5 must be a whole number");
+  EXPECT_FALSE(fs::exists(dir_ / "frames"));
+}
+
 TEST_F(Cli, BrokenImagesAreRefusedByName) {
   ExpectRefused("classify", "images");
   ExpectRefused("classify /nowhere.png", "/nowhere.png");
