@@ -74,6 +74,7 @@ std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::P
 
 void SnapOnto(const cv::Mat& mask, cv::Point origin, double inset_px,
               std::vector<cv::Point2d>& points) {
+  if (points.empty()) return;
   cv::Mat target = Inside(mask, inset_px);
   std::vector<std::vector<cv::Point>> borders;
   cv::findContours(target, borders, cv::RETR_LIST, cv::CHAIN_APPROX_NONE, origin);
