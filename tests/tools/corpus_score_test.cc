@@ -85,8 +85,8 @@ TEST(CorpusScore, PosePointsCountWhereTheyAreMeantToBe) {
   Observation seen = Seen(State::kUnfolded);
   // At the rim; on cloth 0.18 m from it; beside the bag; beside the image.
   for (const cv::Point2d& px : {cv::Point2d(150, 150), {250, 150}, {50, 50}, {-5, 700}}) {
-    seen.grasp_points.push_back({px, {}, true});
-    seen.place_points.push_back({px, {}, true});
+    seen.grasp_points.push_back({px, Eigen::Vector3d::Zero(), true});
+    seen.place_points.push_back({px, Eigen::Vector3d::Zero(), true});
   }
   CorpusScore score;
   score.Add(Frame(State::kUnfolded, 34000, 0, 5), BagThresholds(), seen, surface);

@@ -13,9 +13,10 @@ namespace gusset {
 
 /// What a user knows of how a photograph was taken, straight down onto the table.
 struct PhotographOptions {
-  std::optional<cv::Rect> crop;       ///< The part to look at, px.
-  std::optional<double> px_per_m;     ///< Scale at the table, before the crop (which keeps it).
-  std::optional<CameraModel> camera;  ///< Calibration of the image before the crop, of any size.
+  std::optional<cv::Rect> crop = {};    ///< The part to look at, px.
+  std::optional<double> px_per_m = {};  ///< Scale at the table, before the crop (which keeps it).
+  std::optional<CameraModel> camera =
+      {};  ///< Calibration of the image before the crop, of any size.
 };
 
 /// A photograph brought to what Perceive expects.
