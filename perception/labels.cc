@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "perception/require.h"
+
 namespace gusset {
 namespace {
 
@@ -67,6 +69,9 @@ void AddLabels(const Pixels& pixels, const PerceptionConfig& config, std::vector
 
 std::vector<Label> FindLabels(const cv::Mat& label_colored, const cv::Mat& bag, int most,
                               const PerceptionConfig& config) {
+  RequireMask(label_colored, "label_colored");
+  RequireMask(bag, "bag");
+  if (label_colored.size() != bag.size()) throw InputError("label_colored and bag differ in size");
   // Joins the parts of a label that a crease or a noisy pixel divides.
   static const cv::Mat kGap = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
   cv::Mat spots;
