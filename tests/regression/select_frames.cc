@@ -64,7 +64,16 @@ void Select(int per_state, const std::vector<std::string>& corpora) {
                      {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
         WriteFileAtomic(StoredFramesFolder() / (name + ".jpg"),
                         {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-        chosen.push_back({name, bag, std::string(StateName(state)), nullptr});
+        const StoredFrame stored = {name, bag, std::string(StateName(state)), nullptr};
+        // A set that fails from the start guards nothing; what is seen wrong is for the corpus to
+        // show.
+        if (StateName(LookAtStored(stored).seen.state) != stored.state) {
+          std::printf("left out, seen wrong: %s\n", frame.color.c_str());
+          std::filesystem::remove(StoredFramesFolder() / (name + ".jpg"));
+          --count;
+          continue;
+        }
+        chosen.push_back(stored);
         std::printf("%s: %.3f from a threshold\n", name.c_str(), distance);
       }
     }
