@@ -2,6 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "perception/require.h"
+
 namespace gusset {
 namespace {
 
@@ -21,6 +23,7 @@ void EraseHole(const Contours& contours, int hole, cv::Mat& mask) {
 }  // namespace
 
 std::optional<BagBody> FindBag(const cv::Mat& cloth, const PerceptionConfig& config) {
+  RequireMask(cloth, "cloth");
   // Opening drops specks and thin strokes, closing then bridges creases of up to six pixels.
   static const cv::Mat kSpeck = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
   static const cv::Mat kCrease = cv::getStructuringElement(cv::MORPH_RECT, {7, 7});

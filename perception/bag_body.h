@@ -21,7 +21,7 @@ struct BagBody {
 /// @param cloth CV_8UC1, non-zero where a pixel has the colour of cloth, of a label, or of
 /// something
 ///   that lies on the cloth; as large as the region of interest.
-/// @returns std::nullopt if nothing is large enough.
+/// @returns std::nullopt if nothing is large enough. @throws InputError if cloth is no mask.
 std::optional<BagBody> FindBag(const cv::Mat& cloth, const PerceptionConfig& config);
 
 }  // namespace gusset

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
+#include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -11,24 +13,61 @@ namespace {
 /// Rows that are converted at a time: what is read and written then stays in the cache.
 constexpr int kStrip = 16;
 
-/// An HSV range that may wrap through red.
-struct HsvRange {
-  cv::Scalar lo, hi;
-
+/// An HSV range that may wrap through red. Sixteen pixels at a time: cv::inRange takes four times
+/// as long, and would run four times over the same pixels.
+class HsvRange {
+ public:
   HsvRange(const std::vector<double>& min, const std::vector<double>& max)
-      : lo(min[0], min[1], min[2]), hi(max[0], max[1], max[2]) {}
+      : lo_{Level(min[0]), Level(min[1]), Level(min[2])},
+        hi_{Level(max[0]), Level(max[1]), Level(max[2])} {}
 
-  void Mark(const cv::Mat& hsv, cv::Mat mask) const {
-    if (lo[0] <= hi[0]) {
-      cv::inRange(hsv, lo, hi, mask);
-      return;
-    }
-    cv::Mat below_wrap;
-    cv::inRange(hsv, lo, cv::Scalar(179, hi[1], hi[2]), below_wrap);
-    cv::inRange(hsv, cv::Scalar(0, lo[1], lo[2]), hi, mask);
-    mask |= below_wrap;
+  /// No pixel darker than this belongs.
+  void RaiseLeastValue(double v) { lo_[2] = std::max(lo_[2], Level(v)); }
+
+  bool Holds(uchar h, uchar s, uchar v) const {
+    const bool from = h >= lo_[0];
+    const bool to = h <= hi_[0];
+    return (lo_[0] <= hi_[0] ? from && to : from || to) && s >= lo_[1] && s <= hi_[1] &&
+           v >= lo_[2] && v <= hi_[2];
   }
+
+  /// 255 where a pixel belongs, else 0.
+  cv::v_uint8x16 Holds(const cv::v_uint8x16& h, const cv::v_uint8x16& s,
+                       const cv::v_uint8x16& v) const {
+    const cv::v_uint8x16 from = h >= cv::v_setall_u8(lo_[0]);
+    const cv::v_uint8x16 to = h <= cv::v_setall_u8(hi_[0]);
+    return (lo_[0] <= hi_[0] ? from & to : from | to) & Between(s, 1) & Between(v, 2);
+  }
+
+ private:
+  static uchar Level(double value) { return cv::saturate_cast<uchar>(value); }
+
+  cv::v_uint8x16 Between(const cv::v_uint8x16& value, int channel) const {
+    return (value >= cv::v_setall_u8(lo_[channel])) & (value <= cv::v_setall_u8(hi_[channel]));
+  }
+
+  std::array<uchar, 3> lo_, hi_;
 };
+
+/// Where the pixels of one row belong.
+struct RowMask {
+  const HsvRange* range;
+  uchar* mask;
+};
+
+void MarkRow(const uchar* hsv, int count, std::initializer_list<RowMask> rows) {
+  constexpr int kLanes = cv::v_uint8x16::nlanes;
+  int x = 0;
+  for (; x + kLanes <= count; x += kLanes) {
+    cv::v_uint8x16 h, s, v;
+    cv::v_load_deinterleave(hsv + 3 * x, h, s, v);
+    for (const RowMask& row : rows) cv::v_store(row.mask + x, row.range->Holds(h, s, v));
+  }
+  for (; x < count; ++x) {
+    const uchar* p = hsv + 3 * x;
+    for (const RowMask& row : rows) row.mask[x] = row.range->Holds(p[0], p[1], p[2]) ? 255 : 0;
+  }
+}
 
 /// Median V = max(B, G, R) over every second pixel of every second row.
 int MedianBrightness(const cv::Mat& bgr) {
@@ -54,7 +93,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   HsvRange cloth(config.bag_hsv_min, config.bag_hsv_max);
   const double over_canvas =
       std::min(config.bag_over_canvas * MedianBrightness(color(view.roi)), config.bag_v_cap);
-  cloth.lo[2] = std::max(cloth.lo[2], over_canvas);
+  cloth.RaiseLeastValue(over_canvas);
 
   ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1),
                    cv::Mat(color.size(), CV_8UC1)};
@@ -62,12 +101,13 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   for (int top = 0; top < color.rows; top += kStrip) {
     const cv::Rect strip(0, top, color.cols, std::min(kStrip, color.rows - top));
     cv::cvtColor(color(strip), hsv, cv::COLOR_BGR2HSV);
-    cube.Mark(hsv, masks.cube(strip));
-    const cv::Rect seen = strip & view.roi;
-    if (seen.empty()) continue;
-    const cv::Mat hsv_seen = hsv(seen - strip.tl());
-    cloth.Mark(hsv_seen, masks.cloth(seen - view.roi.tl()));
-    label.Mark(hsv_seen, masks.label(seen - view.roi.tl()));
+    for (int y = 0; y < strip.height; ++y) {
+      const int in_roi = top + y - view.roi.y;
+      MarkRow(hsv.ptr(y), color.cols, {{&cube, masks.cube.ptr(top + y)}});
+      if (in_roi < 0 || in_roi >= view.roi.height) continue;
+      MarkRow(hsv.ptr(y) + 3 * view.roi.x, view.roi.width,
+              {{&cloth, masks.cloth.ptr(in_roi)}, {&label, masks.label.ptr(in_roi)}});
+    }
   }
   return masks;
 }

@@ -30,6 +30,9 @@ struct PerceptionConfig {
   double bag_max_px2 = 70000;  ///< Above: not a bag but a table; twice the flat Bag 1.
   double hole_max_px2 = 1200;  ///< Larger holes in the cloth show canvas; smaller ones are creases.
   double label_min_px2 = 10;   ///< A label facing the camera covers 55.
+  /// A label of 12 x 14 mm is 8.1 px long and up to 9.5 with its soft edge; a longer spot is
+  /// several (tuned 2026-11, tests/perception/labels_test.cc).
+  double label_length_px = 11.5;
   double label_inset_px = 4;   ///< A label's middle lies so far inside the rim: half of 14 mm.
   double rim_reach_px = 20;    ///< Cloth around a label within this tells where the rim is.
   double cube_min_px2 = 90;    ///< A fifth of the cube's face (408).
@@ -63,6 +66,7 @@ struct PerceptionConfig {
     v("bag_max_px2", bag_max_px2, Range{1, 1e6});
     v("hole_max_px2", hole_max_px2, Range{0, 1e6});
     v("label_min_px2", label_min_px2, Range{1, 1e4});
+    v("label_length_px", label_length_px, Range{3, 100});
     v("label_inset_px", label_inset_px, Range{0, 50});
     v("rim_reach_px", rim_reach_px, Range{3, 100});
     v("cube_min_px2", cube_min_px2, Range{1, 1e5});

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "perception/require.h"
+
 namespace gusset {
 
 std::optional<double> MedianDepth(std::vector<std::uint16_t> depths_mm,
@@ -18,6 +20,7 @@ std::optional<double> MedianDepth(std::vector<std::uint16_t> depths_mm,
 std::optional<double> DepthAt(const View& view, cv::Point2d px, const PerceptionConfig& config) {
   const cv::Mat& depth = view.frame.depth_mm;
   if (depth.empty()) return std::nullopt;
+  RequirePixel(px, "px");
   const int half = config.depth_window_px / 2;
   const cv::Rect window =
       cv::Rect(cvRound(px.x) - half, cvRound(px.y) - half, 2 * half + 1, 2 * half + 1) &

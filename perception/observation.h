@@ -51,10 +51,11 @@ struct Observation {
   cv::Rect roi;                   ///< In the pixels used here.
 
   bool bag_seen = false;
-  bool mouth_seen = false;  ///< At least three labels.
-  bool piece = false;       ///< The cube is seen inside the ROI.
-  double A_bag = 0;         ///< px^2.
-  double A_o = 0;           ///< Algorithm 7, area of the union, px^2.
+  bool bag_at_border = false;  ///< Cut by the edge of the region of interest.
+  bool mouth_seen = false;     ///< At least three labels.
+  bool piece = false;          ///< The cube is seen inside the ROI.
+  double A_bag = 0;            ///< px^2.
+  double A_o = 0;              ///< Algorithm 7, area of the union, px^2.
 
   cv::Point2d bag_centroid;  ///< px; this and corners mean nothing unless bag_seen.
   /// Four-sided outline of the body, counter-clockwise as one sees the image. In s1-s3 the rim runs

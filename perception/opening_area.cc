@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "perception/require.h"
+
 namespace gusset {
 namespace {
 
@@ -82,6 +84,7 @@ std::vector<double> Breaks(const std::vector<Segment>& segments) {
 Opening MeasureOpening(std::vector<cv::Point2d> points) {
   Opening opening;
   if (points.empty()) return opening;
+  RequirePixels(points, 0, "points");
   std::sort(points.begin(), points.end(),
             [](cv::Point2d a, cv::Point2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   cv::Point2d mean(0, 0);

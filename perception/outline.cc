@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "perception/pose_points.h"
+#include "perception/require.h"
 
 namespace gusset {
 namespace {
@@ -78,6 +79,7 @@ Quad Matched(const Quad& quad, const std::array<cv::Point2d, 4>& directions) {
 
 template <class Point>
 Outline Fit(const std::vector<Point>& contour) {
+  RequirePixels(contour, 1, "contour");
   Outline outline;
   outline.centroid = Centroid(contour);
   const cv::RotatedRect rect = cv::minAreaRect(contour);

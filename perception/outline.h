@@ -24,7 +24,8 @@ struct Outline {
   Outline From(int first) const;
 };
 
-/// @param contour a closed polygon with at least three points; if it encloses no area, the centroid
+/// @param contour a closed polygon with at least one point, as pixels (else InputError); if it
+/// encloses no area, the centroid
 ///   is the mean of its points.
 Outline FitOutline(const std::vector<cv::Point>& contour);
 Outline FitOutline(const std::vector<cv::Point2f>& contour);

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "base/error.h"
 #include "perception/pose_points.h"
 #include "perception/view.h"
 
@@ -104,7 +105,12 @@ void DrawFigures(const Observation& observation, Pen& pen) {
 }  // namespace
 
 cv::Mat DrawOverlay(const RgbdFrame& frame, const Observation& observation) {
-  cv::Mat image = ScaleToView(frame.color, observation.roi.width)(observation.roi).clone();
+  const cv::Mat view = ScaleToView(frame.color, observation.roi.width);
+  if (view.type() != CV_8UC3 || observation.roi.empty() ||
+      (observation.roi & cv::Rect({0, 0}, view.size())) != observation.roi) {
+    throw InputError("overlay: the frame is not the one that was observed");
+  }
+  cv::Mat image = view(observation.roi).clone();
   Pen pen(image, observation.roi.tl());
   if (observation.bag_seen) DrawFigures(observation, pen);
   DrawText(observation, image);

@@ -11,6 +11,7 @@ namespace gusset {
 /// outlines green, grid lines cyan, points red (drag targets blue), areas, piece and state in
 /// white.
 /// @param frame what `observation` was made from.
+/// @throws InputError if it is another one.
 /// @returns BGR, as large as the region of interest.
 [[nodiscard]] cv::Mat DrawOverlay(const RgbdFrame& frame, const Observation& observation);
 

@@ -206,6 +206,7 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
   observation.piece = observation.cube && observation.cube->in_roi;
   if (bag) {
     observation.bag_seen = true;
+    observation.bag_at_border = bag->at_border;
     observation.A_bag = bag->area_px2;
     for (const Label& label :
          FindLabels(masks.label, bag->mask, 2 * thresholds.labels_per_layer, config)) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "perception/require.h"
+
 namespace gusset {
 namespace {
 
@@ -74,6 +76,9 @@ std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::P
 
 void SnapOnto(const cv::Mat& mask, cv::Point origin, double inset_px,
               std::vector<cv::Point2d>& points) {
+  if (points.empty()) return;
+  RequireMask(mask, "mask");
+  RequirePixels(points, 0, "points");
   cv::Mat target = Inside(mask, inset_px);
   std::vector<std::vector<cv::Point>> borders;
   cv::findContours(target, borders, cv::RETR_LIST, cv::CHAIN_APPROX_NONE, origin);

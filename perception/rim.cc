@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/require.h"
+
 namespace gusset {
 
 cv::Point2d RimDirection(const cv::Mat& bag, const std::vector<cv::Point2d>& labels,
                          cv::Point origin, double reach_px) {
+  RequireMask(bag, "bag");
+  RequirePixels(labels, 0, "labels");
   cv::Point2d direction(0, 0);
   const int reach = static_cast<int>(std::ceil(reach_px));
   for (const cv::Point2d& label : labels) {
@@ -34,6 +38,7 @@ cv::Point2d RimDirection(const cv::Mat& bag, const std::vector<cv::Point2d>& lab
 std::array<cv::Point2d, 4> CornersFromRow(const Outline& outline,
                                           const std::vector<cv::Point2d>& row, cv::Point2d outward,
                                           double inset_px) {
+  RequirePixels(row, 2, "row");
   const double count = static_cast<double>(row.size());
   cv::Point2d mean(0, 0);
   for (const cv::Point2d& point : row) mean += point / count;

@@ -22,7 +22,8 @@ cv::Point2d RimDirection(const cv::Mat& bag, const std::vector<cv::Point2d>& lab
 /// hide the ends of the rim and make the outline's own sides run elsewhere: from corners[0] to
 /// corners[1] along the row, half a spacing beyond the labels at its ends; the other two corners
 /// are those of the outline across from it.
-/// @param row at least two points. @param inset_px a label's middle lies so far inside the rim.
+/// @param row at least two points (else InputError). @param inset_px a label's middle lies so far
+/// inside the rim.
 std::array<cv::Point2d, 4> CornersFromRow(const Outline& outline,
                                           const std::vector<cv::Point2d>& row, cv::Point2d outward,
                                           double inset_px);

@@ -82,6 +82,8 @@ Pinhole Scaled(const Pinhole& pinhole, cv::Size size) {
 }  // namespace
 
 cv::Mat ScaleToView(const cv::Mat& color, int roi_side) {
+  if (color.empty()) throw InputError("color is empty");
+  if (roi_side < 1) throw InputError("roi_side = " + std::to_string(roi_side) + " is not above 0");
   const Crop crop = ViewCrop(color.size(), roi_side);
   return Apply(crop, color, ColorInterpolation(crop));
 }

@@ -24,33 +24,36 @@ std::vector<BagLabel> MakeLabels(const BagConfig& bag) {
   return labels;
 }
 
-TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
-                  const CameraModel& camera, const std::array<int, 4>& roi) {
-  const int width = roi[2], height = roi[3];
-  TopView view;
-  view.mask.assign(static_cast<std::size_t>(width * height), 0);
-  view.label_px.assign(labels.size(), 0);
-  view.label_centre_px.assign(labels.size(), Eigen::Vector2d::Zero());
-  std::vector<float> depth(view.mask.size(), std::numeric_limits<float>::max());
-  std::vector<int> shown(view.mask.size(), -1);  // label index, or -1
-  std::vector<Vec3f> pixel(x.size());            // column and row in the ROI, depth
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Eigen::Vector3d p = x[i].cast<double>();
-    const cv::Point2d px = camera.Project(p);
-    pixel[i] << static_cast<float>(px.x - roi[0]), static_cast<float>(px.y - roi[1]),
-        static_cast<float>((camera.X_WC.inverse() * p).z());
+namespace {
+
+/// A region of an image with the depth of what has been drawn into it so far.
+class Canvas {
+ public:
+  Canvas(const CameraModel& camera, const std::array<int, 4>& roi)
+      : camera_(camera),
+        X_CW_(camera.X_WC.inverse()),
+        roi_(roi),
+        depth_(static_cast<std::size_t>(roi[2] * roi[3]), std::numeric_limits<float>::max()) {}
+
+  /// Column and row in the region, distance along the optical axis.
+  Vec3f Project(const Eigen::Vector3d& p_W) const {
+    const cv::Point2d px = camera_.Project(p_W);
+    return {static_cast<float>(px.x - roi_[0]), static_cast<float>(px.y - roi_[1]),
+            static_cast<float>((X_CW_ * p_W).z())};
   }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& n = mesh.triangles[t];
-    const Vec3f &a = pixel[n[0]], &b = pixel[n[1]], &c = pixel[n[2]];
-    const float twice = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    if (std::abs(twice) < 1e-9f) continue;
+
+  /// Calls paint(pixel index, {w0, w1, w2}) for every pixel at which the triangle is nearer than
+  /// all drawn before; w are the weights of its corners.
+  template <class Paint>
+  void Draw(const Vec3f& a, const Vec3f& b, const Vec3f& c, Paint paint) {
+    const float twice = TwiceArea(a, b, c);
+    if (std::abs(twice) < 1e-9f) return;
     const int c0 = std::max(0, static_cast<int>(std::ceil(std::min({a.x(), b.x(), c.x()}))));
     const int c1 =
-        std::min(width - 1, static_cast<int>(std::floor(std::max({a.x(), b.x(), c.x()}))));
+        std::min(roi_[2] - 1, static_cast<int>(std::floor(std::max({a.x(), b.x(), c.x()}))));
     const int r0 = std::max(0, static_cast<int>(std::ceil(std::min({a.y(), b.y(), c.y()}))));
     const int r1 =
-        std::min(height - 1, static_cast<int>(std::floor(std::max({a.y(), b.y(), c.y()}))));
+        std::min(roi_[3] - 1, static_cast<int>(std::floor(std::max({a.y(), b.y(), c.y()}))));
     for (int row = r0; row <= r1; ++row) {
       for (int col = c0; col <= c1; ++col) {
         const float px = static_cast<float>(col), py = static_cast<float>(row);
@@ -58,31 +61,95 @@ TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<B
         const float w1 = ((c.x() - px) * (a.y() - py) - (c.y() - py) * (a.x() - px)) / twice;
         const float w2 = 1 - w0 - w1;
         if (w0 < 0 || w1 < 0 || w2 < 0) continue;
-        const std::size_t at = static_cast<std::size_t>(row * width + col);
+        const std::size_t at = static_cast<std::size_t>(row * roi_[2] + col);
         const float z = w0 * a.z() + w1 * b.z() + w2 * c.z();
-        if (z >= depth[at]) continue;
-        depth[at] = z;
-        view.mask[at] = 1;
-        const Eigen::Vector2f uv = w0 * mesh.uv[n[0]] + w1 * mesh.uv[n[1]] + w2 * mesh.uv[n[2]];
-        shown[at] = -1;
-        if (uv.y() > 0.1f) continue;  // labels sit at the rim
-        for (std::size_t k = 0; k < labels.size(); ++k) {
-          const BagLabel& label = labels[k];
-          if (mesh.triangle_layer[t] == label.layer && uv.x() >= label.u0 && uv.x() <= label.u1 &&
-              uv.y() >= label.v0 && uv.y() <= label.v1) {
-            shown[at] = static_cast<int>(k);
-          }
-        }
+        if (z >= depth_[at]) continue;
+        depth_[at] = z;
+        paint(at, std::array<float, 3>{w0, w1, w2});
       }
+    }
+  }
+
+  /// Below 0 where one sees the corners counter-clockwise: the image's y points down.
+  static float TwiceArea(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+  }
+
+ private:
+  const CameraModel& camera_;
+  Eigen::Isometry3d X_CW_;
+  std::array<int, 4> roi_;
+  std::vector<float> depth_;
+};
+
+std::int16_t LabelAt(const std::vector<BagLabel>& labels, int layer, const Eigen::Vector2f& uv) {
+  if (uv.y() > 0.1f) return -1;  // labels sit at the rim
+  std::int16_t found = -1;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const BagLabel& label = labels[k];
+    if (layer == label.layer && uv.x() >= label.u0 && uv.x() <= label.u1 && uv.y() >= label.v0 &&
+        uv.y() <= label.v1) {
+      found = static_cast<std::int16_t>(k);
+    }
+  }
+  return found;
+}
+
+// Triangles are wound so that the normals of a bag laid flat point up, out of layer 1, into layer
+// 0.
+Shown SideOf(int layer, bool counter_clockwise) {
+  if (layer == 1) return counter_clockwise ? Shown::kOuter1 : Shown::kInner1;
+  return counter_clockwise ? Shown::kInner0 : Shown::kOuter0;
+}
+
+}  // namespace
+
+TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
+                  const CameraModel& camera, const std::array<int, 4>& roi, const TriMesh* cube_W) {
+  const int width = roi[2], height = roi[3];
+  const auto count = static_cast<std::size_t>(width * height);
+  TopView view;
+  view.mask.assign(count, 0);
+  view.shown.assign(count, Shown::kNothing);
+  view.rim_m.assign(count, 0);
+  view.label.assign(count, -1);
+  view.label_px.assign(labels.size(), 0);
+  view.label_centre_px.assign(labels.size(), Eigen::Vector2d::Zero());
+  Canvas canvas(camera, roi);
+  std::vector<Vec3f> pixel(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) pixel[i] = canvas.Project(x[i].cast<double>());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& n = mesh.triangles[t];
+    const Vec3f &a = pixel[n[0]], &b = pixel[n[1]], &c = pixel[n[2]];
+    const int layer = mesh.triangle_layer[t];
+    const Shown side = SideOf(layer, Canvas::TwiceArea(a, b, c) < 0);
+    canvas.Draw(a, b, c, [&](std::size_t at, const std::array<float, 3>& w) {
+      const Eigen::Vector2f uv = w[0] * mesh.uv[n[0]] + w[1] * mesh.uv[n[1]] + w[2] * mesh.uv[n[2]];
+      view.mask[at] = 1;
+      view.shown[at] = side;
+      view.rim_m[at] = uv.y();
+      view.label[at] = LabelAt(labels, layer, uv);
+    });
+  }
+  if (cube_W != nullptr) {
+    for (const auto& n : cube_W->triangles) {
+      const auto corner = [&](int k) {
+        return canvas.Project(cube_W->vertices[static_cast<std::size_t>(n[k])].cast<double>());
+      };
+      canvas.Draw(corner(0), corner(1), corner(2), [&](std::size_t at, const auto&) {
+        view.shown[at] = Shown::kCube;
+        view.label[at] = -1;
+      });
     }
   }
   for (int row = 0; row < height; ++row) {
     for (int col = 0; col < width; ++col) {
       const std::size_t at = static_cast<std::size_t>(row * width + col);
       view.bag_px += view.mask[at];
-      if (shown[at] < 0) continue;
-      ++view.label_px[shown[at]];
-      view.label_centre_px[shown[at]] += Eigen::Vector2d(col, row);
+      view.cube_px += view.shown[at] == Shown::kCube;
+      if (view.label[at] < 0) continue;
+      ++view.label_px[view.label[at]];
+      view.label_centre_px[view.label[at]] += Eigen::Vector2d(col, row);
     }
   }
   for (std::size_t k = 0; k < labels.size(); ++k) {

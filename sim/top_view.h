@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "perception/camera_model.h"
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/cloth_types.h"
+#include "sim/tri_mesh.h"
 
 namespace gusset {
 
@@ -17,18 +19,28 @@ struct BagLabel {
 /// The labels that a bag's file asks for: evenly spread along both layers' rims.
 std::vector<BagLabel> MakeLabels(const BagConfig& bag);
 
-/// What an ideal camera sees of a bag alone: ground truth for labels, starts and tests.
+/// What a pixel shows. Inner: the side of a layer that faces the other layer of an empty bag.
+enum class Shown : std::uint8_t { kNothing, kOuter0, kOuter1, kInner0, kInner1, kCube };
+
+/// What an ideal camera sees of a bag and the cube: ground truth for labels, starts and tests.
+/// Images are row-major over the region looked at.
 struct TopView {
-  int bag_px = 0;             ///< Pixels of the ROI that show the bag.
+  int bag_px = 0;             ///< Pixels that show the bag, with or without the cube over it.
+  int cube_px = 0;            ///< Pixels that show the cube.
   std::vector<int> label_px;  ///< Pixels that show each label, in MakeLabels' order.
   std::vector<Eigen::Vector2d> label_centre_px;  ///< Their centroids (where label_px > 0).
-  /// Bag pixels as a row-major mask over the ROI, 1 where the bag is.
-  std::vector<unsigned char> mask;
+  std::vector<unsigned char> mask;               ///< 1 where the bag is, under the cube too.
+  std::vector<Shown> shown;
+  std::vector<float> rim_m;         ///< Where cloth is shown: its distance from the rim, in cloth.
+  std::vector<std::int16_t> label;  ///< Index of the label shown; -1: none.
 };
 
-/// Draws the cloth's triangles with a depth buffer into the ROI (x0, y0, width, height in pixels).
+/// Draws the cloth's triangles, and the cube's if there is one, with a depth buffer into the region
+/// `roi` (x0, y0, width, height in pixels).
+/// @param cube_W closed, world frame.
 TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
-                  const CameraModel& camera, const std::array<int, 4>& roi);
+                  const CameraModel& camera, const std::array<int, 4>& roi,
+                  const TriMesh* cube_W = nullptr);
 
 /// Height of the cloth's uppermost surface above or below the point (x, y), m; -infinity where
 /// there is no cloth.

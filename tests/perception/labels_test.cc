@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace gusset {
 namespace {
 
@@ -44,6 +47,42 @@ TEST(FindLabels, KeepsNoMoreThanTheBagHas) {
   const std::vector<Label> labels = FindLabels(masks.label, masks.bag, 6, kConfig);
   ASSERT_EQ(labels.size(), 6u);
   EXPECT_EQ(labels.back().area_px2, 24);
+}
+
+// A layer's label of 7 x 8 px and the other layer's beside it, in any direction: two, each at its
+// middle to 1.6 px (the cut is straight, across the spot: with the labels shifted by half their
+// width it takes a corner of one and leaves one of the other).
+TEST(FindLabels, TwoThatTouchAreTwo) {
+  for (const double turn_deg : {0.0, 20.0, 45.0, 77.0}) {
+    for (const double aside : {0.0, 2.0, 4.0}) {
+      Masks masks;
+      const double a = turn_deg * CV_PI / 180;
+      const cv::Point2d along(std::cos(a), std::sin(a)), across(-along.y, along.x);
+      const cv::Point2d first(150, 150), second = first + 7.5 * along + aside * across;
+      for (int y = 120; y < 190; ++y) {
+        for (int x = 120; x < 190; ++x) {
+          for (const cv::Point2d& centre : {first, second}) {
+            const cv::Point2d d = cv::Point2d(x, y) - centre;
+            if (std::abs(d.dot(along)) <= 4 && std::abs(d.dot(across)) <= 3.5) {
+              masks.label.at<uchar>(y, x) = 255;
+            }
+          }
+        }
+      }
+      std::vector<Label> labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+      ASSERT_EQ(labels.size(), 2u) << turn_deg << " " << aside;
+      std::ranges::sort(labels, {}, [&](const Label& l) { return l.centroid.dot(along); });
+      EXPECT_LT(cv::norm(labels[0].centroid - first), 1.6) << turn_deg << " " << aside;
+      EXPECT_LT(cv::norm(labels[1].centroid - second), 1.6) << turn_deg << " " << aside;
+    }
+  }
+}
+
+TEST(FindLabels, ARowOfThreeThatTouchIsThree) {
+  Masks masks;
+  for (const int x : {60, 68, 76}) masks.label(cv::Rect(x, 60, 7, 8)) = 255;
+  masks.label(cv::Rect(60, 63, 23, 2)) = 255;
+  EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), 3u);
 }
 
 }  // namespace

@@ -147,6 +147,56 @@ TEST_F(Cli, BrokenImagesAreRefusedByName) {
   ExpectRefused("classify " + Write("b.png", "").string(), "b.png");
   ExpectRefused("classify " + dir_.string(), dir_.string());
   ExpectRefused("classify --corpus " + dir_.string(), "labels.jsonl");
+  ExpectRefused("classify a.png --px-per-m 0", "--px-per-m");
+  ExpectRefused("classify a.png --camera " + Write("c.json", "{}").string(), "c.json");
+  ExpectRefused("classify --calibrate a.png", "--bag");
+}
+
+TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
+  const std::string corpus = "classify --corpus " + dir_.string();
+  const auto label = [&](const std::string& line) { Write("labels.jsonl", line + "\n"); };
+  label("");
+  ExpectRefused(corpus, "labels.jsonl:1");
+  label("{\"file\": \"a.png\"}");
+  ExpectRefused(corpus, "labels.jsonl:1: state is missing");
+  label("{\"file\": \"a.png\", \"state\": \"s7\"}");
+  ExpectRefused(corpus, "state = s7");
+  label("{\"file\": \"a.png\", \"state\": \"s1\", \"A_bag\": -1, \"A_o\": 0, \"labels\": 5}");
+  ExpectRefused(corpus, "A_bag = -1 is not within [0");
+  label("{\"file\": \"a.png\", \"state\": \"s1\", \"cube_m\": [0, 0]}");
+  ExpectRefused(corpus, "cube_m");
+  label("{\"file\": \"a.png\", \"state\": \"s1\"}");
+  ExpectRefused(corpus, "a.png: cannot be read");
+  Write("a.png", "cut short");
+  ExpectRefused(corpus, "a.png: is not an image");
+  Write("camera.json", "{\"width\": 640, \"height\": 480, \"K\": [[1, 2, 3]]}");
+  ExpectRefused(corpus, "camera.json: K must have 3 rows");
+  Write("camera.json", "{\"width\": 0}");
+  ExpectRefused(corpus, "camera.json: width = 0 is not within [1");
+}
+
+// Rendered bags laid flat, anywhere near the middle. 3 % is what a state may be off by.
+TEST_F(Cli, CalibratingWritesTheBagsFileAndNothingElseOfIt) {
+  const fs::path source = fs::path(GUSSET_SOURCE_DIR) / "assets/bags/bag1.toml";
+  std::string given = Slurp(source);
+  given.replace(given.find("A_th = 25000"), 12, "A_th = 9000  # not yet");
+  const fs::path bag = Write("new.toml", given);
+  const std::string flat = (dir_ / "flat").string();
+  ASSERT_EQ(Gusset("render --state s1 --count 4 --seed 5 --out " + flat).code, 0);
+  const Result result =
+      Gusset("classify --calibrate --json --bag " + bag.string() + " --corpus " + flat);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json found = nlohmann::json::parse(result.out);
+  EXPECT_NEAR(found.at("A_th").get<double>(), 25000, 0.03 * 25000);
+  EXPECT_NEAR(found.at("A_oth").get<double>(), 700, 0.03 * 700);
+  EXPECT_NEAR(found.at("A_bmax").get<double>(), 34000, 0.03 * 34000);
+  EXPECT_NEAR(found.at("A_omax").get<double>(), 3900, 0.03 * 3900);
+  EXPECT_NEAR(found.at("A_flat").get<double>(), 34950, 0.03 * 34950);
+  const std::string text = Slurp(bag);
+  EXPECT_THAT(text, HasSubstr("# Bag 1: cotton tote."));
+  EXPECT_THAT(text, HasSubstr("[thresholds_published]\nA_th = 25000\n"));
+  EXPECT_THAT(text, HasSubstr("# not yet"));
+  EXPECT_EQ(Gusset("classify --corpus " + flat + " --bag " + bag.string()).code, 0);
 }
 
 #ifdef GUSSET_HAS_BENCH

@@ -1,41 +1,40 @@
-#include <array>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <iostream>
-#include <opencv2/imgcodecs.hpp>
-#include <sstream>
+#include <opencv2/core.hpp>
+#include <optional>
 
-#include "agents/json_fields.h"
+#include "agents/image_file.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "perception/calibrate.h"
+#include "perception/overlay.h"
 #include "perception/perceive.h"
+#include "perception/view.h"
 #include "tools/gusset/command.h"
+#include "tools/gusset/corpus.h"
+#include "tools/gusset/corpus_score.h"
+#include "tools/gusset/image_input.h"
+#include "tools/gusset/photograph.h"
 #include "tools/gusset/settings.h"
+#include "tools/gusset/toml_edit.h"
 
 namespace gusset {
 namespace {
 
-constexpr std::size_t kMaxImageBytes = std::size_t{256} << 20;
-
-cv::Mat ReadImage(const std::filesystem::path& file, int flags) {
-  const std::string bytes = ReadFile(file, kMaxImageBytes);
-  cv::Mat image;
-  if (!bytes.empty()) {
-    try {
-      image = cv::imdecode(
-          cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data())),
-          flags);
-    } catch (const cv::Exception&) {  // what is wrong with it does not matter to the user
+/// Width of a failure's picture of the truth beside the overlay: what the palette below says.
+cv::Mat PaintTruth(const cv::Mat& surface) {
+  cv::Mat image(surface.size(), CV_8UC3);
+  for (int y = 0; y < surface.rows; ++y) {
+    for (int x = 0; x < surface.cols; ++x) {
+      const auto& pixel = surface.at<cv::Vec3b>(y, x);
+      static const cv::Vec3b kColors[] = {{40, 40, 40},    {190, 200, 200}, {220, 215, 200},
+                                          {150, 110, 110}, {110, 110, 150}, {40, 40, 220}};
+      image.at<cv::Vec3b>(y, x) =
+          pixel[2] != 0 ? cv::Vec3b(60, 200, 90) : kColors[std::min<int>(pixel[0], 5)];
     }
   }
-  if (image.empty()) throw InputError(file.string() + ": is not an image that can be read");
   return image;
-}
-
-RgbdFrame ReadFrame(const std::filesystem::path& color, const std::filesystem::path& depth) {
-  RgbdFrame frame;
-  frame.color = ReadImage(color, cv::IMREAD_COLOR);
-  if (!depth.empty()) frame.depth_mm = ReadImage(depth, cv::IMREAD_UNCHANGED);
-  return frame;
 }
 
 class ClassifyCommand final : public Command {
@@ -46,30 +45,54 @@ class ClassifyCommand final : public Command {
   void Declare(CLI::App& app) override {
     app.add_option("images", images_, "Colour images")->type_name("IMAGE");
     app.add_option("--depth", depth_, "16-bit depth image (mm) of the one colour image");
-    app.add_option("--corpus", corpus_, "Folder with labels.jsonl, as render writes it")
+    app.add_option("--corpus", corpora_,
+                   "Folder with labels.jsonl, as render writes it (repeatable)")
         ->type_name("DIR");
-    app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [bag1]");
+    app.add_option("--out", out_,
+                   "Folder for overlays; with --corpus for report.json and pictures of failures")
+        ->type_name("DIR");
+    app.add_option("--crop", crop_, "Part of the images to look at: x,y,width,height in px")
+        ->delimiter(',')
+        ->expected(4)
+        ->type_name("X,Y,W,H");
+    app.add_option("--px-per-m", px_per_m_, "Scale of the images at the table, px per metre")
+        ->check(CLI::Range(10.0, 20000.0))
+        ->type_name("P");
+    app.add_option("--camera", camera_,
+                   "Calibration of the images: a camera.json as render writes it")
+        ->type_name("FILE");
+    app.add_flag(
+        "--calibrate", calibrate_,
+        "Derive the bag's thresholds from frames of it laid flat and write them to its file");
+    app.add_option("--bag", bag_,
+                   "Bag: a name in assets/bags or a TOML file [the corpus's, else bag1]");
     app.add_flag("--json", json_, "Print one JSON document");
     common_.AddTo(app);
   }
 
   void Run() override {
     common_.StartLog();
-    if (images_.empty() == corpus_.empty()) {
+    if (images_.empty() == corpora_.empty()) {
       throw InputError("classify needs either images or --corpus");
     }
     if (!depth_.empty() && images_.size() != 1) {
       throw InputError("--depth: goes with one image, not " + std::to_string(images_.size()));
     }
-    config_ = LoadPerception();
-    corpus_.empty() ? ClassifyImages() : ClassifyCorpus();
+    if (!corpora_.empty() && (!crop_.empty() || px_per_m_ || !camera_.empty())) {
+      throw InputError("--crop, --px-per-m and --camera go with images, not with --corpus");
+    }
+    if (px_per_m_ && !camera_.empty()) throw InputError("--px-per-m: is in --camera already");
+    if (calibrate_ && !bag_) throw InputError("--calibrate: needs --bag, whose file is written");
+    if (calibrate_) return Calibrate();
+    corpora_.empty() ? ClassifyImages() : ClassifyCorpora();
   }
 
  private:
-  // Photographs need no world, so the bag's file is read for its thresholds alone.
+  // Photographs need no world, so the bag's file is read for its thresholds alone; the other
+  // sections are read to find mistakes.
   BaggingConfig LoadPerception() const {
     ConfigTree tree;
-    tree.Load(BagFile(bag_));
+    tree.Load(BagFile(bag_.value_or("bag1")));
     for (const std::string& file : common_.config_files) tree.Load(file);
     for (const std::string& assignment : common_.assignments) tree.Set(assignment);
     BaggingConfig config;
@@ -77,15 +100,28 @@ class ClassifyCommand final : public Command {
     return config;
   }
 
-  Observation Look(const std::filesystem::path& color, const std::filesystem::path& depth) const {
+  // A corpus knows its bag, but how to look is this program's: its own [perception] is what the one
+  // that rendered it had.
+  BaggingConfig LoadFor(const std::filesystem::path& corpus) const {
+    BaggingConfig config = LoadPerception();
+    const std::filesystem::path file = corpus / "config.toml";
+    if (bag_ || !std::filesystem::exists(file)) return config;
+    ConfigTree tree;
+    tree.Load(file);
+    for (const std::string& other : common_.config_files) tree.Load(other);
+    for (const std::string& assignment : common_.assignments) tree.Set(assignment);
+    BaggingConfig of_corpus;
+    of_corpus.Read(tree);
+    of_corpus.perception = config.perception;
+    return of_corpus;
+  }
+
+  static Observation Look(const RgbdFrame& frame, const std::filesystem::path& color,
+                          const CameraModel& camera, const BaggingConfig& config) {
     try {
-      return Perceive(ReadFrame(color, depth), OverheadCamera({}, kCameraHeight_m),
-                      config_.perception, config_.chosen_thresholds());
+      return Perceive(frame, camera, config.perception, config.chosen_thresholds());
     } catch (const InputError& e) {
-      const std::string what = e.what();
-      throw InputError(what.starts_with(color.string()) || what.starts_with(depth.string())
-                           ? what
-                           : color.string() + ": " + what);
+      throw InputError(color.string() + ": " + e.what());
     }
   }
 
@@ -113,37 +149,167 @@ class ClassifyCommand final : public Command {
     }
   }
 
+  // One image as perception is to see it.
+  Photograph Prepare(const std::string& image, const BaggingConfig& config) const {
+    PhotographOptions options;
+    if (!crop_.empty()) options.crop.emplace(crop_[0], crop_[1], crop_[2], crop_[3]);
+    options.px_per_m = px_per_m_;
+    if (!camera_.empty()) options.camera = ReadCamera(camera_);
+    try {
+      return PreparePhotograph(ReadFrame(image, depth_), options, config.perception);
+    } catch (const InputError& e) {
+      const std::string what = e.what();
+      throw InputError(what.starts_with(image) || what.starts_with(depth_) ? what
+                                                                           : image + ": " + what);
+    }
+  }
+
   void ClassifyImages() const {
+    const BaggingConfig config = LoadPerception();
+    if (!out_.empty()) MakeFolder(out_);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const std::string& image : images_) list.push_back(Json(image, Look(image, depth_)));
+    for (const std::string& image : images_) {
+      const Photograph photograph = Prepare(image, config);
+      Observation seen = Look(photograph.frame, image, photograph.camera, config);
+      seen.warnings.insert(seen.warnings.end(), photograph.warnings.begin(),
+                           photograph.warnings.end());
+      list.push_back(Json(image, seen));
+      if (out_.empty()) continue;
+      const std::filesystem::path overlay =
+          std::filesystem::path(out_) /
+          (std::filesystem::path(image).stem().string() + "_overlay.png");
+      WriteImage(overlay, DrawOverlay(photograph.frame, seen));
+      list.back()["overlay"] = overlay.string();
+    }
     Print(list);
   }
 
-  void ClassifyCorpus() const {
-    const std::filesystem::path folder = corpus_;
-    const std::filesystem::path labels = folder / "labels.jsonl";
-    std::istringstream lines(ReadFile(labels));
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    int right = 0;
-    int number = 0;
-    for (std::string line; std::getline(lines, line);) {
-      ++number;
-      std::string file, depth, state;
-      try {
-        const nlohmann::json label = nlohmann::json::parse(line);
-        file = JsonField<std::string>(label, "file");
-        state = JsonField<std::string>(label, "state");
-        if (label.contains("depth")) depth = JsonField<std::string>(label, "depth");
-      } catch (const std::exception& e) {
-        throw InputError(labels.string() + ":" + std::to_string(number) + ": " + e.what());
-      }
-      const Observation seen = Look(folder / file, depth.empty() ? "" : folder / depth);
-      list.push_back(Json(file, seen));
-      list.back()["state_true"] = state;
-      right += StateName(seen.state) == state;
+  void Calibrate() const {
+    const BaggingConfig config = LoadPerception();
+    std::vector<Observation> looks;
+    for (const std::string& image : images_) {
+      const Photograph photograph = Prepare(image, config);
+      looks.push_back(Look(photograph.frame, image, photograph.camera, config));
     }
-    Print(list);
-    std::cerr << right << " of " << number << " as labelled" << std::endl;
+    for (const std::string& corpus : corpora_) {
+      const std::filesystem::path folder = corpus;
+      const CameraModel camera = CameraOf(folder);
+      for (const LabelledFrame& frame : ReadLabels(folder)) {
+        looks.push_back(Look(ReadFrame(frame.color, frame.depth), frame.color, camera, config));
+      }
+    }
+    const std::filesystem::path file = BagFile(*bag_);
+    const int labels = config.thresholds.gusset.labels_per_layer;
+    const Calibration found = CalibrateThresholds(looks, labels);
+    const BagThresholds& t = found.thresholds;
+    if (found.labels_seen != labels) {
+      std::fprintf(stderr, "the flat bag shows %d labels, %s says %d per layer\n",
+                   found.labels_seen, file.c_str(), labels);
+    }
+    const std::vector<std::pair<std::string, double>> values = {{"A_th", t.A_th},
+                                                                {"A_oth", t.A_oth},
+                                                                {"A_bmax", t.A_bmax},
+                                                                {"A_omax", t.A_omax},
+                                                                {"A_flat", t.A_flat}};
+    std::vector<std::pair<std::string, std::string>> lines;
+    nlohmann::ordered_json document = {{"bag", file.string()}, {"flat_frames", found.flat_looks}};
+    for (const auto& [key, value] : values) {
+      lines.emplace_back(key, std::to_string(std::lround(value)));
+      document[key] = value;
+    }
+    const std::string text = ReplaceTomlValues(ReadFile(file), "thresholds", lines);
+    // What is written is read again first: a table that the editing does not know stays untouched.
+    ConfigTree tree;
+    tree.Parse(text, file.string());
+    BagThresholds read;
+    ThresholdChoice choice;
+    tree.Read("thresholds", choice);
+    read = choice.gusset;
+    if (read.A_th != t.A_th || read.A_oth != t.A_oth || read.A_bmax != t.A_bmax ||
+        read.A_omax != t.A_omax || read.A_flat != t.A_flat) {
+      throw InputError(file.string() + ": [thresholds] must be a table with one key per line");
+    }
+    WriteFileAtomic(file, text);
+    if (json_) return PrintJson(document);
+    for (const auto& [key, value] : values) std::printf("%s = %.0f\n", key.c_str(), value);
+    std::printf("from %d frames of the bag laid flat, written to %s\n", found.flat_looks,
+                file.c_str());
+  }
+
+  static CameraModel CameraOf(const std::filesystem::path& corpus) {
+    const std::filesystem::path file = corpus / "camera.json";
+    return std::filesystem::exists(file) ? ReadCamera(file) : OverheadCamera({}, kCameraHeight_m);
+  }
+
+  void ClassifyCorpora() const {
+    const std::filesystem::path out = out_;
+    if (!out_.empty()) MakeFolder(out / "failures");
+    CorpusScore score;
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const std::string& corpus : corpora_) {
+      const std::filesystem::path folder = corpus;
+      const BaggingConfig config = LoadFor(folder);
+      const std::vector<LabelledFrame> frames = ReadLabels(folder);
+      const CameraModel camera = CameraOf(folder);
+      for (const LabelledFrame& truth : frames) {
+        const RgbdFrame frame = ReadFrame(truth.color, truth.depth);
+        const Observation seen = Look(frame, truth.color, camera, config);
+        const cv::Mat surface =
+            truth.surface.empty() ? cv::Mat() : ReadSurface(truth.surface, frame.color.size());
+        const bool right = score.Add(truth, config.chosen_thresholds(), seen, surface);
+        nlohmann::ordered_json entry = Json(truth.color.string(), seen);
+        AddTruth(truth, config.chosen_thresholds(), entry);
+        if (!right && !out_.empty()) {
+          const std::filesystem::path picture =
+              out / "failures" / PictureName(list.size(), truth, seen);
+          WriteFailure(picture, frame, seen, surface);
+          entry["picture"] = picture.string();
+        }
+        list.push_back(std::move(entry));
+      }
+    }
+    if (!out_.empty()) WriteFileAtomic(out / "report.json", score.Report().dump(2) + "\n");
+    if (json_) {
+      PrintJson(list);
+      return;
+    }
+    for (const auto& entry : list) {
+      if (entry["state"] == entry["state_true"]) continue;
+      std::printf("%s is %s, seen as %s%s\n", entry["file"].get<std::string>().c_str(),
+                  entry["state_true"].get<std::string>().c_str(),
+                  entry["state"].get<std::string>().c_str(),
+                  entry.contains("margin") ? " (near a threshold)" : "");
+    }
+    std::printf("%s", score.Text().c_str());
+  }
+
+  static void AddTruth(const LabelledFrame& truth, const BagThresholds& thresholds,
+                       nlohmann::ordered_json& entry) {
+    entry["state_true"] = StateName(truth.state);
+    if (!truth.has_areas) return;
+    entry["A_bag_true"] = truth.A_bag;
+    entry["A_o_true"] = truth.A_o;
+    if (const auto margin = ThresholdMargin(truth, thresholds)) entry["margin"] = *margin;
+  }
+
+  static std::string PictureName(std::size_t index, const LabelledFrame& truth,
+                                 const Observation& seen) {
+    char name[64];
+    std::snprintf(name, sizeof name, "%05zu_%s_seen_as_%s.png", index,
+                  std::string(StateName(truth.state)).c_str(),
+                  std::string(StateName(seen.state)).c_str());
+    return name;
+  }
+
+  // The frame, what perception made of it and what is there, side by side.
+  static void WriteFailure(const std::filesystem::path& path, const RgbdFrame& frame,
+                           const Observation& seen, const cv::Mat& surface) {
+    cv::Mat view = ScaleToView(frame.color, seen.roi.width);
+    std::vector<cv::Mat> parts = {view(seen.roi), DrawOverlay(frame, seen)};
+    if (surface.size() == view.size()) parts.push_back(PaintTruth(surface)(seen.roi));
+    cv::Mat picture;
+    cv::hconcat(parts, picture);
+    WriteImage(path, picture);
   }
 
   static constexpr double kCameraHeight_m = 1.066;
@@ -151,10 +317,14 @@ class ClassifyCommand final : public Command {
   CommonOptions common_;
   std::vector<std::string> images_;
   std::string depth_;
-  std::string corpus_;
-  std::string bag_ = "bag1";
+  std::vector<std::string> corpora_;
+  std::string out_;
+  std::optional<std::string> bag_;
+  std::vector<int> crop_;
+  std::optional<double> px_per_m_;
+  std::string camera_;
+  bool calibrate_ = false;
   bool json_ = false;
-  BaggingConfig config_;
 };
 
 }  // namespace

@@ -1,7 +1,8 @@
-#include <spdlog/spdlog.h>
-
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
+#include <opencv2/imgproc.hpp>
 
 #include "agents/image_file.h"
 #include "base/error.h"
@@ -33,19 +34,33 @@ nlohmann::ordered_json CameraJson(const CameraModel& camera) {
           {"depth_scale_m", 0.001}};
 }
 
+/// Two worlds are one if no more pixels than this show something else: what rendering the same
+/// cloth after a grasp that moved nothing leaves. The smallest label covers as many.
+constexpr int kSamePixels = 50;
+
+int DifferentPixels(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat a_shown, b_shown;
+  cv::extractChannel(a, a_shown, 0);
+  cv::extractChannel(b, b_shown, 0);
+  return cv::countNonZero(a_shown != b_shown);
+}
+
 // Labelled frames: worlds reached by physics, from the starts and by the actions of a policy, kept
-// when ground truth says that the state is the one asked for.
+// when ground truth says that the state is one that is asked for.
 class RenderCommand final : public Command {
  public:
   const char* name() const override { return "render"; }
-  const char* summary() const override { return "Write labelled frames of one state"; }
+  const char* summary() const override { return "Write labelled frames of one state or of all"; }
 
   void Declare(CLI::App& app) override {
-    app.add_option("--state", state_, "s0 to s5, by ground truth")
+    app.add_option("--state", state_, "s0 to s5, by ground truth, or all")
         ->required()
-        ->check(CLI::IsMember({"s0", "s1", "s2", "s3", "s4", "s5"}));
-    app.add_option("--count", count_, "How many")
+        ->check(CLI::IsMember({"s0", "s1", "s2", "s3", "s4", "s5", "all"}));
+    app.add_option("--count", count_, "How many bags to show in each state")
         ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    app.add_option("--looks", looks_, "Frames of each, with other sensor noise")
+        ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     app.add_option("--seed", seed_, "Seed of starts, actions and noise")->capture_default_str();
     app.add_option("--out", out_, "Folder to write")->required()->type_name("DIR");
@@ -65,41 +80,77 @@ class RenderCommand final : public Command {
                   .assignments = {{"--vary", "variation.amount",
                                    vary_ ? std::optional<std::string>("1") : std::nullopt}}});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
-    MakeFolder(out_);
-    LineLog labels(std::filesystem::path(out_) / "labels.jsonl");
+    const std::filesystem::path out = out_;
+    MakeFolder(out);
+    LineLog labels(out / "labels.jsonl");
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
-    WriteFileAtomic(std::filesystem::path(out_) / "camera.json",
+    WriteFileAtomic(out / "camera.json",
                     CameraJson(environment.testbed().camera().model()).dump(2) + "\n");
+    WriteFileAtomic(out / "config.toml", settings.resolved);
+    for (int s = 0; s < kStates; ++s) {
+      if (state_ == "all" || state_[1] - '0' == s) missing_[s] = count_;
+    }
     WatchForStop();
-    for (int episode = 0; written_ < count_; ++episode) {
-      if (episode == kEpisodesPerFrame * count_) {
-        throw RunError(std::to_string(written_) + " frames of " + state_ + " in " +
-                       std::to_string(episode) + " episodes, not " + std::to_string(count_) +
+    const int most_episodes = kEpisodesPerFrame * count_;
+    for (int episode = 0; !Done(); ++episode) {
+      if (episode == most_episodes) {
+        throw RunError(std::to_string(frames_) + " frames in " + std::to_string(episode) +
+                       " episodes, still missing " + Missing() +
                        "; a trained --policy gets there more often");
       }
       RunEpisodeOnce(environment, *agent, static_cast<std::uint64_t>(episode), labels);
+      if (state_ == "all") KeepCleared(environment, static_cast<std::uint64_t>(episode), labels);
     }
-    std::cout << written_ << " frames of " << state_ << ": " << out_ << std::endl;
+    std::cout << frames_ << " frames of " << state_ << ": " << out_ << std::endl;
   }
 
  private:
+  static constexpr int kStates = 6;
+
+  bool Done() const {
+    return std::ranges::all_of(missing_, [](int n) { return n == 0; });
+  }
+
+  std::string Missing() const {
+    std::string text;
+    for (int s = 0; s < kStates; ++s) {
+      if (missing_[s] == 0) continue;
+      text +=
+          (text.empty() ? "" : ", ") + std::to_string(missing_[s]) + " of s" + std::to_string(s);
+    }
+    return text;
+  }
+
+  // Bags folded and laid flat, near the middle or anywhere. A folded start takes as long to make as
+  // ten actions, and drags fold bags up, too: every fourth episode has one, while they are wanted.
+  StartKind KindOf(std::uint64_t episode) const {
+    if (state_ != "all") return state_ == "s0" ? StartKind::kFolded : StartKind::kUnfolded;
+    const bool folded = missing_[0] > 0 && episode % 4 == 1;
+    const bool any_pose = episode / 4 % 2 == 1 || episode % 2 == 0;
+    if (folded) return any_pose ? StartKind::kFoldedAnyPose : StartKind::kFolded;
+    return any_pose ? StartKind::kUnfoldedAnyPose : StartKind::kUnfolded;
+  }
+
   void RunEpisodeOnce(TestbedEnv& environment, const Agent& agent, std::uint64_t episode,
                       LineLog& labels) {
-    const int wanted = state_[1] - '0';
-    const StartKind kind = wanted == 0 ? StartKind::kFolded : StartKind::kUnfolded;
     const std::vector<int> n_actions = environment.ActionCounts();
-    Snapshot world = environment.Start(kind, DeriveSeed(seed_, "render start", episode));
-    for (int i = 0; i <= kActions && written_ < count_; ++i) {
-      if (StopRequested())
-        throw RunError("interrupted after " + std::to_string(written_) + " frames");
+    Snapshot world = environment.Start(KindOf(episode), DeriveSeed(seed_, "render start", episode));
+    cv::Mat shown_before;
+    for (int i = 0; i <= kActions && !Done(); ++i) {
+      if (StopRequested()) {
+        throw RunError("interrupted after " + std::to_string(frames_) + " frames");
+      }
       const std::uint64_t index = episode * (kActions + 1) + static_cast<std::uint64_t>(i);
       const Percept percept = environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
-      // A look at a world that stays as it is: an end has been kept after its action already.
-      if (environment.testbed().referee().Judge().state == wanted && wanted < 4) {
-        Keep(environment, environment.bagging().frame_before(), environment.bagging().before(),
-             labels);
-        // One frame per episode where starts alone give the state.
-        if (i == 0) return;
+      const FrameTruth truth = environment.testbed().Describe();
+      const bool other =
+          shown_before.empty() || DifferentPixels(truth.surface, shown_before) > kSamePixels;
+      shown_before = truth.surface;
+      if (other && missing_[truth.truth.state] > 0) {
+        --missing_[truth.truth.state];
+        KeepLooks(environment, world, truth, index, labels);
+        // One bag per episode where starts alone give the state.
+        if (i == 0 && state_ != "all") return;
       }
       const auto state = static_cast<std::size_t>(percept.state);
       if (state >= n_actions.size()) return;
@@ -107,44 +158,92 @@ class RenderCommand final : public Command {
       const Decision decision =
           agent.Act(percept.state, percept.features, n_actions[state], Mode::kExplore, rng);
       Outcome outcome = environment.Act(decision.action);
-      if (outcome.truth.state == wanted && wanted >= 4) {
-        Keep(environment, environment.bagging().frame_after(), environment.bagging().after(),
-             labels);
-      }
-      if (outcome.done) return;
       world = std::move(outcome.after);
     }
   }
 
-  void Keep(TestbedEnv& environment, const RgbdFrame& frame, const Observation& seen,
-            LineLog& labels) {
-    const Truth truth = environment.testbed().referee().Judge();
-    char stem[32];
-    std::snprintf(stem, sizeof stem, "%s_%05d", state_.c_str(), written_);
+  // Success and failure are rare where actions are random, so a person clears the table, too.
+  void KeepCleared(TestbedEnv& environment, std::uint64_t episode, LineLog& labels) {
+    for (const int state : {4, 5}) {
+      if (missing_[state] == 0) continue;
+      const auto seed = DeriveSeed(DeriveSeed(seed_, "render cleared", episode), "state",
+                                   static_cast<std::uint64_t>(state));
+      environment.Start(StartKind::kUnfolded, DeriveSeed(seed_, "render cleared start"));
+      environment.testbed().ClearTable(/*lay_cube=*/state == 5, seed);
+      const Snapshot world = environment.testbed().scene().Save();
+      const std::uint64_t index = ClearedIndex(episode, state);
+      environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
+      const FrameTruth truth = environment.testbed().Describe();
+      if (truth.truth.state != state) continue;
+      --missing_[state];
+      KeepLooks(environment, world, truth, index, labels);
+    }
+  }
+
+  // The seeds' index of worlds that are no step of an episode; steps count from 0 up.
+  static std::uint64_t ClearedIndex(std::uint64_t episode, int state) {
+    return ~(episode * 2 + static_cast<std::uint64_t>(state - 4));
+  }
+
+  // The look that was just had, and further ones at the same world; the world is then as it was.
+  void KeepLooks(TestbedEnv& environment, const Snapshot& world, const FrameTruth& truth,
+                 std::uint64_t index, LineLog& labels) {
+    Keep(environment, truth, 0, labels);
+    for (int look = 1; look < looks_; ++look) {
+      const auto k = static_cast<std::uint64_t>(look);
+      environment.Begin(world, DeriveSeed(DeriveSeed(seed_, "render look", k), "world", index));
+      Keep(environment, truth, look, labels);
+    }
+    if (looks_ > 1) environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
+    ++worlds_;
+  }
+
+  void Keep(TestbedEnv& environment, const FrameTruth& truth, int look, LineLog& labels) {
+    const RgbdFrame& frame = environment.bagging().frame_before();
+    const Observation& seen = environment.bagging().before();
+    const std::string state = "s" + std::to_string(truth.truth.state);
+    char stem[48];
+    std::snprintf(stem, sizeof stem, "%s_%05d", state.c_str(), written_[truth.truth.state]++);
+    char surface[48];
+    std::snprintf(surface, sizeof surface, "surface_%05d.png", worlds_);
     const std::filesystem::path path = std::filesystem::path(out_) / stem;
     WriteImage(path.string() + ".png", frame.color);
     WriteImage(path.string() + "_depth.png", frame.depth_mm);
-    WriteImage(path.string() + "_overlay.png", DrawOverlay(frame, seen));
-    const nlohmann::ordered_json label = {{"file", std::string(stem) + ".png"},
-                                          {"depth", std::string(stem) + "_depth.png"},
-                                          {"state", state_},
-                                          {"state_seen", StateName(seen.state)},
-                                          {"A_bag", truth.bag_area_px2},
-                                          {"A_o", truth.opening_area_px2},
-                                          {"cube_in_bag", truth.cube_in_bag}};
+    if (look == 0) {
+      WriteImage(path.string() + "_overlay.png", DrawOverlay(frame, seen));
+      WriteImage(std::filesystem::path(out_) / surface, truth.surface);
+    }
+    const nlohmann::ordered_json label = {
+        {"file", std::string(stem) + ".png"},
+        {"depth", std::string(stem) + "_depth.png"},
+        {"surface", surface},
+        {"world", worlds_},
+        {"state", state},
+        {"state_seen", StateName(seen.state)},
+        {"A_bag", truth.truth.bag_area_px2},
+        {"A_o", truth.truth.opening_area_px2},
+        {"labels", truth.labels_seen},
+        {"cube_px", truth.cube_px},
+        {"cube_m", {truth.cube_m.x(), truth.cube_m.y(), truth.cube_m.z()}},
+        {"cube_hidden", truth.cube_hidden},
+        {"cube_in_bag", truth.truth.cube_in_bag}};
     labels.Append(label.dump());
-    ++written_;
+    ++frames_;
   }
 
   CommonOptions common_;
   std::string state_;
   int count_ = 10;
+  int looks_ = 1;
   std::uint64_t seed_ = 1;
   std::string out_;
   std::optional<std::string> bag_;
   bool vary_ = false;
   std::string policy_ = "random";
-  int written_ = 0;
+  std::array<int, kStates> missing_{};  ///< Bags still to be shown, per state.
+  std::array<int, kStates> written_{};  ///< Frames, per state.
+  int frames_ = 0;
+  int worlds_ = 0;
 };
 
 }  // namespace

@@ -9,6 +9,40 @@
 #include "perception/state.h"
 
 namespace gusset {
+namespace {
+
+cv::Mat PaintSurface(const TopView& view, cv::Size size) {
+  cv::Mat surface(size, CV_8UC3);
+  for (int at = 0; at < size.area(); ++at) {
+    const auto k = static_cast<std::size_t>(at);
+    surface.at<cv::Vec3b>(at / size.width, at % size.width) = {
+        static_cast<uchar>(view.shown[k]), cv::saturate_cast<uchar>(view.rim_m[k] / kRimStep_m),
+        static_cast<uchar>(view.label[k] >= 0 ? 255 : 0)};
+  }
+  return surface;
+}
+
+// Centroids of the labels that show at least min_px2 pixels in the region of interest, by those.
+std::vector<cv::Point2d> LabelsSeen(const TopView& view, cv::Size size, const cv::Rect& roi,
+                                    double min_px2, std::size_t count) {
+  std::vector<int> px(count, 0);
+  std::vector<cv::Point2d> sum(count, cv::Point2d(0, 0));
+  for (int y = roi.y; y < roi.br().y; ++y) {
+    for (int x = roi.x; x < roi.br().x; ++x) {
+      const int label = view.label[static_cast<std::size_t>(y * size.width + x)];
+      if (label < 0) continue;
+      ++px[static_cast<std::size_t>(label)];
+      sum[static_cast<std::size_t>(label)] += cv::Point2d(x, y);
+    }
+  }
+  std::vector<cv::Point2d> seen;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (px[k] >= min_px2) seen.push_back(sum[k] / px[k]);
+  }
+  return seen;
+}
+
+}  // namespace
 
 int SimReferee::LayersHeld() {
   std::set<int> layers;
@@ -16,58 +50,60 @@ int SimReferee::LayersHeld() {
   return static_cast<int>(layers.size());
 }
 
-Truth SimReferee::Judge() {
+FrameTruth SimReferee::Describe() {
   const World& world = scene_.world();
   const ClothState& cloth = world.cloth().state();
-  Truth truth;
+  FrameTruth frame;
+  Truth& truth = frame.truth;
   truth.layers_held = LayersHeld();
   truth.bag_held = world.cloth().holding();
   truth.cube_held = world.cube_held();
-  const Eigen::Vector3d cube = world.cube().X_WB.translation();
-  truth.cube_in_bag = world.InsideBag(cube);
+  const Eigen::Isometry3d& X_WCube = world.cube().X_WB;
+  frame.cube_m = X_WCube.translation();
+  truth.cube_in_bag = world.InsideBag(frame.cube_m);
   truth.lowest_point_m = world.LowestPoint();
   truth.held_clear_s = world.held_clear_s();
 
+  const Pinhole& pinhole = scene_.model().pinhole;
+  TriMesh cube = BoxMesh(Eigen::Vector3d::Constant(scene_.config().world.cube_side_m));
+  for (Eigen::Vector3f& p : cube.vertices) p = (X_WCube * p.cast<double>()).cast<float>();
+  const TopView view = LookAtBag(world.cloth().mesh(), cloth.x, scene_.labels(), scene_.model(),
+                                 {0, 0, pinhole.width, pinhole.height}, &cube);
   const cv::Rect roi(perception_.roi_x, perception_.roi_y, perception_.roi_side,
                      perception_.roi_side);
-  const TopView view = LookAtBag(world.cloth().mesh(), cloth.x, scene_.labels(), scene_.model(),
-                                 {roi.x, roi.y, roi.width, roi.height});
-  std::vector<cv::Point2d> seen;
-  for (std::size_t k = 0; k < view.label_px.size(); ++k) {
-    if (view.label_px[k] < perception_.label_min_px2) continue;
-    seen.emplace_back(view.label_centre_px[k].x(), view.label_centre_px[k].y());
-  }
-  truth.bag_area_px2 = view.bag_px;
-  truth.opening_area_px2 = MeasureOpening(seen).area_px2;
+  const cv::Size size(pinhole.width, pinhole.height);
+  frame.surface = PaintSurface(view, size);
+  frame.cube_px = view.cube_px;
+
+  const std::vector<cv::Point2d> labels =
+      LabelsSeen(view, size, roi, perception_.label_min_px2, scene_.labels().size());
+  frame.labels_seen = static_cast<int>(labels.size());
+  const cv::Mat bag(size, CV_8UC1, const_cast<unsigned char*>(view.mask.data()));
+  truth.bag_area_px2 = cv::countNonZero(bag(roi));
+  truth.opening_area_px2 = MeasureOpening(labels).area_px2;
 
   Evidence evidence;
   evidence.has_surroundings = true;
-  evidence.bag_seen = view.bag_px >= perception_.bag_min_px2;
-  evidence.labels_seen = static_cast<int>(seen.size());
+  evidence.bag_seen = truth.bag_area_px2 >= perception_.bag_min_px2;
+  evidence.labels_seen = frame.labels_seen;
   evidence.A_bag = truth.bag_area_px2;
   evidence.A_o = truth.opening_area_px2;
-  // The cube is seen where no cloth lies above its centre.
-  const cv::Point2d px = scene_.model().Project(cube);
-  const cv::Point2d in_roi(px.x - roi.x, px.y - roi.y);
-  const bool inside =
-      in_roi.x >= 0 && in_roi.y >= 0 && in_roi.x < roi.width && in_roi.y < roi.height;
-  const bool covered = ClothTopAt(world.cloth().mesh(), cloth.x, cube.head<2>()) > cube.z();
-  const bool in_frame = px.x >= 0 && px.y >= 0 && px.x < 640 && px.y < 480 && cube.z() < 0.5;
-  evidence.cube_seen = in_frame && !covered;
-  evidence.cube_in_roi = evidence.cube_seen && inside;
-  evidence.cube_on_bag = evidence.cube_in_roi &&
-                         view.mask[static_cast<std::size_t>(std::lround(std::floor(in_roi.y))) *
-                                       static_cast<std::size_t>(roi.width) +
-                                   static_cast<std::size_t>(in_roi.x)] != 0;
-  if (evidence.cube_in_roi && seen.size() >= 3) {
-    std::vector<cv::Point2f> points(seen.begin(), seen.end()), hull;
+  evidence.cube_seen = view.cube_px >= perception_.cube_min_px2;
+  const cv::Point2d px = scene_.model().Project(frame.cube_m);
+  const cv::Point nearest(cvRound(px.x), cvRound(px.y));
+  evidence.cube_in_roi = evidence.cube_seen && roi.contains(nearest);
+  evidence.cube_on_bag = evidence.cube_in_roi && bag.at<uchar>(nearest) != 0;
+  if (evidence.cube_in_roi && frame.labels_seen >= kLabelsOfMouth) {
+    std::vector<cv::Point2f> points(labels.begin(), labels.end()), hull;
     cv::convexHull(points, hull);
     const double side_px =
-        perception_.cube_side_m * scene_.model().pinhole.fx / scene_.model().X_WC.translation().z();
-    evidence.cube_in_mouth = cv::pointPolygonTest(hull, cv::Point2f(in_roi), true) >= -side_px;
+        perception_.cube_side_m * pinhole.fx / scene_.model().X_WC.translation().z();
+    evidence.cube_in_mouth = cv::pointPolygonTest(hull, cv::Point2f(px), true) >= -side_px;
   }
-  truth.state = static_cast<int>(ClassifyState(evidence, thresholds_).state);
-  return truth;
+  const Classified classified = ClassifyState(evidence, thresholds_);
+  truth.state = static_cast<int>(classified.state);
+  frame.cube_hidden = classified.cube_hidden;
+  return frame;
 }
 
 }  // namespace gusset

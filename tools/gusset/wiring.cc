@@ -1,6 +1,9 @@
 #include "tools/gusset/wiring.h"
 
+#include <numbers>
+
 #include "agents/bagging_env.h"
+#include "base/random.h"
 #include "sim/sim_scene.h"
 #include "tools/gusset/sim_referee.h"
 
@@ -12,6 +15,11 @@ CameraModel ObliqueCamera() {
   return LookAt({0.75, 0.80, 0.75}, {0, -0.08, 0.12}, {560, 560, 320, 240, 640, 480});
 }
 
+// Where a bag taken off the table is: out of every frame.
+constexpr float kAway_m = 3;
+// Within the region of interest, which reaches 0.295 m from its middle, less the cube itself.
+constexpr double kCubeSpread_m = 0.27;
+
 class SimTestbed : public Testbed {
  public:
   SimTestbed(const SimConfig& config, const PerceptionConfig& perception,
@@ -22,6 +30,22 @@ class SimTestbed : public Testbed {
   CameraPort& camera() override { return scene_; }
   RobotPort& robot() override { return scene_.robot(); }
   Referee& referee() override { return referee_; }
+  FrameTruth Describe() override { return referee_.Describe(); }
+  void ClearTable(bool lay_cube, std::uint64_t seed) override {
+    World& world = scene_.world();
+    ClothState cloth = world.cloth().state();
+    for (Vec3f& p : cloth.x) p.x() += kAway_m;
+    world.cloth().SetState(std::move(cloth));
+    if (!lay_cube) return;
+    Rng rng(DeriveSeed(seed, "cube"));
+    BodyState cube;
+    cube.X_WB.translation() << rng.Uniform(-kCubeSpread_m, kCubeSpread_m),
+        rng.Uniform(-kCubeSpread_m, kCubeSpread_m), 0.5 * world.config().cube_side_m;
+    cube.X_WB.linear() =
+        Eigen::AngleAxisd(rng.Uniform(0, std::numbers::pi / 2), Eigen::Vector3d::UnitZ())
+            .toRotationMatrix();
+    world.SetCube(cube);
+  }
   RgbdFrame ObliqueLook() override { return scene_.Look(ObliqueCamera()); }
   void Watch(double period_s, std::function<void()> callback) override {
     scene_.Watch(period_s, std::move(callback));

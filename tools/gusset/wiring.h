@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "agents/ports/robot_port.h"
 #include "agents/ports/scene_port.h"
 #include "base/config.h"
+#include "tools/gusset/frame_truth.h"
 
 namespace gusset {
 
@@ -21,6 +23,12 @@ class Testbed {
   virtual RobotPort& robot() = 0;
   virtual Referee& referee() = 0;
 
+  /// Ground truth of what the camera sees now, for labelled frames.
+  virtual FrameTruth Describe() = 0;
+  /// What a person would do to clear the table, for labelled frames of s4 and s5: takes the bag
+  /// away, out of the frame, and either leaves the cube where it waits or lays it somewhere in the
+  /// middle of the table. No time passes.
+  virtual void ClearTable(bool lay_cube, std::uint64_t seed) = 0;
   /// The whole scene from the side, for people; without noise. No time passes.
   virtual RgbdFrame ObliqueLook() = 0;
   /// From now on calls `callback` after every period_s of simulated time, while the world moves.

@@ -1,0 +1,50 @@
+#include "tools/gusset/image_input.h"
+
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "base/error.h"
+#include "base/files.h"
+
+namespace gusset {
+namespace {
+
+constexpr std::size_t kMaxImageBytes = std::size_t{256} << 20;
+
+}  // namespace
+
+cv::Mat ReadImage(const std::filesystem::path& file, int flags) {
+  const std::string bytes = ReadFile(file, kMaxImageBytes);
+  cv::Mat image;
+  if (!bytes.empty()) {
+    try {
+      image = cv::imdecode(
+          cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data())),
+          flags);
+    } catch (const cv::Exception&) {  // what is wrong with it does not matter to the user
+    }
+  }
+  if (image.empty()) throw InputError(file.string() + ": is not an image that can be read");
+  return image;
+}
+
+RgbdFrame ReadFrame(const std::filesystem::path& color, const std::filesystem::path& depth) {
+  RgbdFrame frame;
+  frame.color = ReadImage(color, cv::IMREAD_COLOR);
+  if (depth.empty()) return frame;
+  frame.depth_mm = ReadImage(depth, cv::IMREAD_UNCHANGED);
+  if (frame.depth_mm.type() != CV_16UC1) {
+    throw InputError(depth.string() + ": is " + cv::typeToString(frame.depth_mm.type()) +
+                     ", a depth image must be 16-bit with one channel (mm)");
+  }
+  if (frame.depth_mm.size() != frame.color.size()) {
+    const auto text = [](const cv::Mat& image) {
+      return std::to_string(image.cols) + "x" + std::to_string(image.rows);
+    };
+    throw InputError(depth.string() + ": is " + text(frame.depth_mm) + ", but " + color.string() +
+                     " is " + text(frame.color));
+  }
+  return frame;
+}
+
+}  // namespace gusset
