@@ -2,6 +2,9 @@
 
 #include <ATen/Parallel.h>
 #include <dlfcn.h>
+#include <torch/csrc/api/include/torch/version.h>
+
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 
@@ -17,7 +20,26 @@ void UseOneThread() {
   if (symbol != nullptr) reinterpret_cast<void (*)(int)>(symbol)(1);
 }
 
+std::string Blas() {
+  const auto text = [](const char* function) -> const char* {
+    void* symbol = ::dlsym(RTLD_DEFAULT, function);
+    return symbol == nullptr ? nullptr : reinterpret_cast<const char* (*)()>(symbol)();
+  };
+  const char* config = text("openblas_get_config");
+  const char* core = text("openblas_get_corename");
+  if (config == nullptr || core == nullptr) return "not OpenBLAS";
+  // "OpenBLAS 0.3.21 DYNAMIC_ARCH ...": the first two words.
+  const std::string all = config;
+  return all.substr(0, all.find(' ', all.find(' ') + 1)) + ", " + core;
+}
+
 }  // namespace
+
+const char* GussetDeepVersions() {
+  static const std::string versions =
+      nlohmann::json{{"libtorch", TORCH_VERSION}, {"blas", Blas()}}.dump();
+  return versions.c_str();
+}
 
 Agent* GussetMakeDeepAgent(const std::string& name, const DeepConfig& config,
                            const std::vector<int>& n_actions) {

@@ -17,6 +17,11 @@ extern "C" Agent* GussetMakeDeepAgent(const std::string& name, const DeepConfig&
                                       const std::vector<int>& n_actions);
 inline constexpr const char* kMakeDeepAgentSymbol = "GussetMakeDeepAgent";
 
+/// What the networks' bits depend on besides this program: {"libtorch", "blas"} as JSON text, the
+/// BLAS with the kernel that it has chosen for this processor.
+extern "C" const char* GussetDeepVersions();
+inline constexpr const char* kDeepVersionsSymbol = "GussetDeepVersions";
+
 std::unique_ptr<Agent> MakeDqn(const std::string& name, const DeepConfig& config,
                                const std::vector<int>& n_actions);
 std::unique_ptr<Agent> MakeA2c(const DeepConfig& config, const std::vector<int>& n_actions);

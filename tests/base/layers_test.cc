@@ -33,7 +33,7 @@ const std::vector<Layer>& Layers() {
        {"opencv2/", "Eigen/"}},
       {"agents/deep/",
        {"agents/deep/", "agents/agent.h", "agents/json_fields.h", "base/"},
-       {"Eigen/", "nlohmann/", "ATen/", "POSIX"}},
+       {"Eigen/", "nlohmann/", "ATen/", "torch/", "POSIX"}},
       {"agents/",
        {"agents/", "perception/", "base/"},
        {"opencv2/", "Eigen/", "toml++/", "nlohmann/", "spdlog/"}},

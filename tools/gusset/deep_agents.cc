@@ -23,11 +23,20 @@ std::unique_ptr<Agent> LoadDeepAgent(const std::string& name, const DeepConfig& 
   const auto make = reinterpret_cast<decltype(&GussetMakeDeepAgent)>(symbol);
   return std::unique_ptr<Agent>(make(name, config, n_actions));
 }
+
+nlohmann::ordered_json LoadedDeepVersions() {
+  void* library = ::dlopen(GUSSET_DEEP_LIBRARY, RTLD_NOW | RTLD_NOLOAD);
+  void* symbol = library == nullptr ? nullptr : ::dlsym(library, kDeepVersionsSymbol);
+  if (symbol == nullptr) return nlohmann::ordered_json::object();
+  return nlohmann::ordered_json::parse(reinterpret_cast<decltype(&GussetDeepVersions)>(symbol)());
+}
 #else
 std::unique_ptr<Agent> LoadDeepAgent(const std::string& name, const DeepConfig&,
                                      const std::vector<int>&) {
   throw InputError("agent '" + name + "' needs a build with libtorch");
 }
+
+nlohmann::ordered_json LoadedDeepVersions() { return nlohmann::ordered_json::object(); }
 #endif
 
 }  // namespace gusset

@@ -15,4 +15,7 @@ namespace gusset {
 std::unique_ptr<Agent> LoadDeepAgent(const std::string& name, const DeepConfig& config,
                                      const std::vector<int>& n_actions);
 
+/// Versions of what the networks are built on; empty unless one has been made.
+nlohmann::ordered_json LoadedDeepVersions();
+
 }  // namespace gusset

@@ -153,13 +153,15 @@ std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& sett
 
 nlohmann::ordered_json Versions() {
   const int bullet = BT_BULLET_VERSION;
-  return {
+  nlohmann::ordered_json versions = {
       {"gusset", GUSSET_VERSION},
       {"bullet", std::to_string(bullet / 100) + "." + std::to_string(bullet % 100)},
       {"opencv", CV_VERSION},
       {"eigen", std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) +
                     "." + std::to_string(EIGEN_MINOR_VERSION)},
       {"compiler", __VERSION__}};
+  versions.update(LoadedDeepVersions());
+  return versions;
 }
 
 void PrintJson(const nlohmann::ordered_json& document) {

@@ -105,7 +105,8 @@ TEST_P(Deep, TrainedWithAnyNumberOfWorkersGivesTheSameBits) {
     const RunFolder folder = RunFolder::Create(dir_ / std::to_string(jobs), "", {});
     Workers workers(jobs, [] { return std::make_unique<TableWorld>(); });
     const std::unique_ptr<Agent> agent = MakeIt(Quick(), TableWorld().ActionCounts());
-    Train(workers, *agent, {.agent = GetParam(), .steps = 10, .pool_min = 5}, folder, {}, [] { return false; });
+    Train(workers, *agent, {.agent = GetParam(), .steps = 10, .pool_min = 5}, folder, {},
+          [] { return false; });
     const std::string policy = ReadFile(folder.policy());
     if (first.empty()) first = policy;
     EXPECT_EQ(policy, first) << jobs;
