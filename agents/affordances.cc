@@ -22,4 +22,26 @@ ActionChoice DecodeAction(int state, int action) {
   return {action / rule.parameters, action % rule.parameters};
 }
 
+int AllActions() {
+  int sum = 0;
+  for (int s = 0; s < kActingStates; ++s) sum += AffordanceOf(s).actions();
+  return sum;
+}
+
+int PairOfAction(int index, int& action) {
+  assert(index >= 0 && index < AllActions());
+  int pair = 0;
+  while (index >= AffordanceOf(pair).actions()) index -= AffordanceOf(pair++).actions();
+  action = index;
+  return pair;
+}
+
+std::vector<int> ActionsOnOffer(bool affordances) {
+  std::vector<int> counts;
+  for (int s = 0; s < kActingStates; ++s) {
+    counts.push_back(affordances ? AffordanceOf(s).actions() : AllActions());
+  }
+  return counts;
+}
+
 }  // namespace gusset

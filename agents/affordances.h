@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 namespace gusset {
 
 /// States in which the robot acts, s0 to s3; s4 and s5 end an episode.
@@ -28,5 +30,16 @@ struct ActionChoice {
 
 /// @param action in [0, AffordanceOf(state).actions()).
 ActionChoice DecodeAction(int state, int action);
+
+/// Without Psi every state offers the actions of all pairs, one pair after the other:
+/// 81 + 81 + 9 + 81 = 252.
+int AllActions();
+
+/// @returns the pair (numbered by the state that affords it) that an index below AllActions()
+/// belongs to, and in `action` its index among that pair's own.
+int PairOfAction(int index, int& action);
+
+/// How many actions each state offers, with Psi or without.
+std::vector<int> ActionsOnOffer(bool affordances);
 
 }  // namespace gusset

@@ -31,7 +31,8 @@ struct Transition {
   double reward = 0;
   int next_state = 0;
   std::vector<double> next_features = {};
-  bool done = false;  ///< The episode ended here.
+  bool done = false;     ///< The episode ended here.
+  bool follows = false;  ///< The world is the one that the transition learnt before this one left.
 };
 
 /// A learner of discrete actions. It knows neither robot nor bag: states and actions are indices,

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 
-#include "agents/affordances.h"
 #include "agents/image_file.h"
 #include "agents/rewards.h"
 #include "base/error.h"
@@ -103,11 +102,7 @@ BaggingEnv::BaggingEnv(ScenePort& scene, CameraPort& camera, RobotPort& robot, R
       config_(config),
       thresholds_(config.chosen_thresholds()) {}
 
-std::vector<int> BaggingEnv::ActionCounts() const {
-  std::vector<int> counts;
-  for (int s = 0; s < kActingStates; ++s) counts.push_back(AffordanceOf(s).actions());
-  return counts;
-}
+std::vector<int> BaggingEnv::ActionCounts() const { return ActionsOnOffer(config_.affordances); }
 
 Percept BaggingEnv::PerceptOf(const Observation& seen) const {
   return {static_cast<int>(seen.state),
@@ -122,6 +117,7 @@ Snapshot BaggingEnv::Start(StartKind kind, std::uint64_t seed) {
 
 Percept BaggingEnv::Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   scene_.Restore(snapshot, sensor_seed);
+  if (!config_.affordances) world_before_ = snapshot;
   frame_before_ = camera_.Look();
   before_ = Perceive(frame_before_, camera_.model(), config_.perception, thresholds_);
   frame_after_ = {};
@@ -157,8 +153,37 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
   });
 }
 
+// What a pair that does not fit the state leads to: a step without a move, a look or time. The
+// reward is the state's own for a world in which nothing has changed, which is what a fitting
+// action that achieves nothing is paid too.
+Outcome BaggingEnv::Idle(int pair, const ActionChoice& choice) {
+  after_ = before_;
+  frame_after_ = frame_before_;
+  Outcome outcome;
+  outcome.next = PerceptOf(after_);
+  outcome.reward = Reward(before_, after_, thresholds_, {});
+  outcome.truth = referee_.Judge();
+  outcome.after = world_before_;
+  outcome.log = {{"pair", pair},
+                 {"point", choice.point},
+                 {"parameter", choice.parameter},
+                 {"layers_held", 0},
+                 {"lost", false},
+                 {"A_bag_before", before_.A_bag},
+                 {"A_o_before", before_.A_o},
+                 {"A_bag", after_.A_bag},
+                 {"A_o", after_.A_o},
+                 {"cube_hidden", after_.cube_hidden},
+                 {"note", "the pair does not fit the state"}};
+  return outcome;
+}
+
 Outcome BaggingEnv::Act(int action) {
   const int state = static_cast<int>(before_.state);
+  if (!config_.affordances) {
+    const int pair = PairOfAction(action, action);
+    if (pair != state) return Idle(pair, DecodeAction(pair, action));
+  }
   const ActionChoice choice = DecodeAction(state, action);
   const PosePoint& chosen = ChosenPoint(before_, choice.point);
   const double start_s = scene_.time_s();
@@ -179,7 +204,8 @@ Outcome BaggingEnv::Act(int action) {
   outcome.true_success = carried && outcome.truth.held_clear_s >= kHeldClear_s;
   outcome.after = scene_.Save();
   outcome.sim_s = scene_.time_s() - start_s;
-  outcome.log = {{"point", choice.point},
+  outcome.log = {{"pair", state},
+                 {"point", choice.point},
                  {"parameter", choice.parameter},
                  {"point_px", Pair(chosen.px)},
                  {"point_m", Triple(chosen.p_W)},

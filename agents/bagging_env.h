@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/affordances.h"
 #include "agents/environment.h"
 #include "agents/ports/camera_port.h"
 #include "agents/ports/referee.h"
@@ -41,6 +42,10 @@ struct BaggingConfig {
   ScratchDragConfig scratch_drag;
   PickPlaceConfig pick_place;
   CloseCarryConfig close_carry;
+  /// False: every state offers the actions of all four pairs, and one whose pair does not fit the
+  /// state costs a step, moves nothing and is paid as an action that achieves nothing. Set by
+  /// [train].
+  bool affordances = true;
 
   /// Reads every section. @throws InputError.
   void Read(ConfigTree& tree);
@@ -76,6 +81,7 @@ class BaggingEnv final : public Environment {
  private:
   Percept PerceptOf(const Observation& observation) const;
   PrimitiveReport Perform(int point, int parameter);
+  Outcome Idle(int pair, const ActionChoice& choice);
 
   ScenePort& scene_;
   CameraPort& camera_;
@@ -83,6 +89,7 @@ class BaggingEnv final : public Environment {
   Witness robot_;
   BaggingConfig config_;
   BagThresholds thresholds_;
+  Snapshot world_before_;
   RgbdFrame frame_before_, frame_after_;
   Observation before_, after_;
 };

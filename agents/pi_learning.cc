@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "agents/json_fields.h"
-#include "base/error.h"
 
 namespace gusset {
 namespace {
@@ -20,99 +19,49 @@ double Updated(const std::string& update, double value, double reward, int m) {
 }  // namespace
 
 PiLearning::PiLearning(const PiConfig& config, const std::vector<int>& n_actions)
-    : config_(config) {
+    : config_(config), table_(n_actions) {
   ValidateOrThrow("pi", config);
-  for (const int n : n_actions) {
-    table_.push_back({0, std::vector<Entry>(static_cast<std::size_t>(n))});
-  }
+}
+
+double FallingEpsilon(double epsilon_min, int steps, int steps_per_state) {
+  const double done = static_cast<double>(steps) / steps_per_state;
+  return std::clamp(epsilon_min + (1 - epsilon_min) * (1 - done), epsilon_min, 1.0);
 }
 
 double PiLearning::Epsilon(int state) const {
-  const double done = static_cast<double>(steps(state)) / config_.steps_per_state;
-  return std::clamp(config_.epsilon_min + (1 - config_.epsilon_min) * (1 - done),
-                    config_.epsilon_min, 1.0);
+  return FallingEpsilon(config_.epsilon_min, steps(state), config_.steps_per_state);
 }
 
-int PiLearning::best(int state) const {
-  const std::vector<Entry>& row = table_[static_cast<std::size_t>(state)].entries;
-  const auto less = [](const Entry& a, const Entry& b) { return a.value < b.value; };
-  return static_cast<int>(std::max_element(row.begin(), row.end(), less) - row.begin());
-}
-
-Decision PiLearning::Act(int state, std::span<const double>, [[maybe_unused]] int n_actions,
-                         Mode mode, Rng& rng) const {
-  const std::vector<Entry>& row = table_[static_cast<std::size_t>(state)].entries;
-  assert(n_actions == static_cast<int>(row.size()));
+Decision PiLearning::Act(int state, std::span<const double>, int n_actions, Mode mode,
+                         Rng& rng) const {
+  assert(n_actions == table_.actions(state));
   if (mode == Mode::kGreedy) return {best(state), false, 0};
 
   const double epsilon = Epsilon(state);
-  if (rng.Uniform() < epsilon) {
-    return {rng.Below(static_cast<int>(row.size())), true, epsilon};
-  }
-  const double top = row[static_cast<std::size_t>(best(state))].value;
-  std::vector<int> ties;
-  for (std::size_t a = 0; a < row.size(); ++a) {
-    if (row[a].value == top) ties.push_back(static_cast<int>(a));
-  }
-  const int pick = rng.Below(static_cast<int>(ties.size()));
-  return {ties[static_cast<std::size_t>(pick)], false, epsilon};
+  if (rng.Uniform() < epsilon) return {rng.Below(n_actions), true, epsilon};
+  return {table_.DrawBest(state, rng), false, epsilon};
 }
 
 void PiLearning::Learn(const Transition& transition) {
-  Row& row = table_[static_cast<std::size_t>(transition.state)];
-  Entry& entry = row.entries[static_cast<std::size_t>(transition.action)];
-  ++row.steps;
-  ++entry.count;
+  ActionTable::Entry& entry = table_.Count(transition.state, transition.action);
   entry.value = Updated(config_.update, entry.value, transition.reward, entry.count);
 }
 
 nlohmann::json PiLearning::Save() const {
-  nlohmann::json states = nlohmann::json::array();
-  for (int s = 0; s < static_cast<int>(table_.size()); ++s) {
-    nlohmann::json tried = nlohmann::json::array();
-    const int n = static_cast<int>(table_[static_cast<std::size_t>(s)].entries.size());
-    for (int a = 0; a < n; ++a) {
-      if (count(s, a) == 0) continue;
-      tried.push_back({{"action", a}, {"count", count(s, a)}, {"value", value(s, a)}});
-    }
-    states.push_back({{"state", s},
-                      {"n_actions", n},
-                      {"steps", steps(s)},
-                      {"best", best(s)},
-                      {"best_value", value(s, best(s))},
-                      {"tried", tried}});
-  }
   return {{"update", config_.update},
           {"epsilon_min", config_.epsilon_min},
           {"steps_per_state", config_.steps_per_state},
-          {"states", states}};
+          {"states", table_.Save()}};
 }
 
 void PiLearning::Load(const nlohmann::json& saved) {
-  constexpr int kMany = std::numeric_limits<int>::max();
   PiConfig config;
   config.update = JsonField<std::string>(saved, "update");
   config.epsilon_min = JsonField<double>(saved, "epsilon_min");
-  config.steps_per_state = JsonField<int>(saved, "steps_per_state", 1, kMany);
+  config.steps_per_state =
+      JsonField<int>(saved, "steps_per_state", 1, std::numeric_limits<int>::max());
   PiLearning loaded(config, {});
-
-  const auto states = JsonField<nlohmann::json::array_t>(saved, "states");
-  if (states.size() != table_.size()) {
-    throw InputError("states has " + std::to_string(states.size()) + " entries, not " +
-                     std::to_string(table_.size()));
-  }
-  for (std::size_t s = 0; s < table_.size(); ++s) {
-    const int n = static_cast<int>(table_[s].entries.size());
-    JsonField<int>(states[s], "n_actions", n, n);
-    Row row{JsonField<int>(states[s], "steps", 0, kMany),
-            std::vector<Entry>(static_cast<std::size_t>(n))};
-    for (const nlohmann::json& tried : JsonField<nlohmann::json::array_t>(states[s], "tried")) {
-      Entry& entry =
-          row.entries[static_cast<std::size_t>(JsonField<int>(tried, "action", 0, n - 1))];
-      entry = {JsonField<int>(tried, "count", 1, kMany), JsonField<double>(tried, "value")};
-    }
-    loaded.table_.push_back(std::move(row));
-  }
+  loaded.table_ = ActionTable::Load(saved, table_.ActionCounts());
   *this = std::move(loaded);
 }
 

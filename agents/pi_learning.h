@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "agents/action_table.h"
 #include "agents/agent.h"
 #include "base/config.h"
 
@@ -40,26 +41,18 @@ class PiLearning final : public Agent {
 
   /// min(1, epsilon_min + (1 - epsilon_min)(1 - n/N)), n = steps learnt in this state.
   double Epsilon(int state) const;
-  double value(int state, int action) const { return Cell(state, action).value; }
-  int count(int state, int action) const { return Cell(state, action).count; }
-  int best(int state) const;
-  int steps(int state) const { return table_[static_cast<std::size_t>(state)].steps; }
+  double value(int state, int action) const { return table_.at(state, action).value; }
+  int count(int state, int action) const { return table_.at(state, action).count; }
+  int best(int state) const { return table_.best(state); }
+  int steps(int state) const { return table_.steps(state); }
 
  private:
-  struct Entry {
-    int count = 0;     // m: how often the pair was selected
-    double value = 0;  // Pi(s, a)
-  };
-  struct Row {
-    int steps = 0;
-    std::vector<Entry> entries;
-  };
-  const Entry& Cell(int state, int action) const {
-    return table_[static_cast<std::size_t>(state)].entries[static_cast<std::size_t>(action)];
-  }
-
   PiConfig config_;
-  std::vector<Row> table_;
+  ActionTable table_;  // Pi(s, a)
 };
+
+/// Pi-learning's exploration, which the other tabular learners share so that they can be compared.
+/// @returns min(1, epsilon_min + (1 - epsilon_min)(1 - steps/N)).
+double FallingEpsilon(double epsilon_min, int steps, int steps_per_state);
 
 }  // namespace gusset

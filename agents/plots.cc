@@ -69,9 +69,10 @@ std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file) {
     ++number;
     try {
       const nlohmann::json json = nlohmann::json::parse(line);
-      steps.push_back({JsonField<int>(json, "state"), JsonField<int>(json, "point"),
-                       JsonField<double>(json, "reward"),
-                       JsonField<std::string>(json, "kind") == "train"});
+      const auto state = JsonField<int>(json, "state");
+      steps.push_back({state, JsonField<int>(json, "point"), JsonField<double>(json, "reward"),
+                       JsonField<std::string>(json, "kind") == "train",
+                       json.value("pair", state) == state});
     } catch (const std::exception& e) {
       throw InputError(file.string() + ":" + std::to_string(number) + ": " + e.what());
     }
@@ -83,7 +84,7 @@ std::vector<double> MeanRewards(const std::vector<LoggedStep>& steps, int state,
   std::vector<double> sums(static_cast<std::size_t>(points));
   std::vector<int> counts(sums.size());
   for (const LoggedStep& step : steps) {
-    if (!step.learnt || step.state != state || step.point >= points) continue;
+    if (!step.learnt || !step.fits || step.state != state || step.point >= points) continue;
     sums[static_cast<std::size_t>(step.point)] += step.reward;
     ++counts[static_cast<std::size_t>(step.point)];
   }

@@ -14,6 +14,7 @@ struct LoggedStep {
   int point = 0;
   double reward = 0;
   bool learnt = false;  ///< Not an extra action.
+  bool fits = true;     ///< The pair is the state's own, so `point` is one of the state's.
 };
 
 /// Reads steps.jsonl. @throws InputError naming file and line.

@@ -43,8 +43,15 @@ Snapshot WorldBefore(Environment& environment, const std::vector<nlohmann::json>
   const int earlier = JsonField<int>(from, "step", 0, step - 1);
   const nlohmann::json& line = steps[static_cast<std::size_t>(earlier)];
   const Snapshot snapshot = WorldBefore(environment, steps, earlier);
-  environment.Begin(snapshot, JsonField<std::uint64_t>(line, "sensor_seed"));
-  return environment.Act(JsonField<int>(line, "action")).after;
+  const Percept percept =
+      environment.Begin(snapshot, JsonField<std::uint64_t>(line, "sensor_seed"));
+  const std::vector<int> n_actions = environment.ActionCounts();
+  const auto state = static_cast<std::size_t>(percept.state);
+  if (state >= n_actions.size()) {
+    throw RunError("step " + std::to_string(earlier) +
+                   " does not come out as logged: the bag is in s" + std::to_string(percept.state));
+  }
+  return environment.Act(JsonField<int>(line, "action", 0, n_actions[state] - 1)).after;
 }
 
 }  // namespace gusset

@@ -64,7 +64,8 @@ struct Progress {
   std::vector<int> frozen_size;         // of the pool, when its state's training began; -1: not yet
   int episode = 0;                      // "chain" only, as all below
   int episode_actions = 0;
-  int current = -1;  // snapshot id; -1: a new start is due
+  int current = -1;      // snapshot id; -1: a new start is due
+  int last_learnt = -1;  // number of the last action that was learnt from; both protocols
   double sim_s = 0;
   std::uint64_t steps_bytes = 0;
   std::uint64_t progress_bytes = 0;
@@ -87,6 +88,7 @@ struct Progress {
             {"frozen_size", frozen_size},
             {"episode", episode},
             {"current", current},
+            {"last_learnt", last_learnt},
             {"episode_actions", episode_actions},
             {"sim_s", sim_s},
             {"steps_bytes", steps_bytes},
@@ -107,6 +109,7 @@ struct Progress {
     get("episode", episode);
     get("episode_actions", episode_actions);
     get("current", current);
+    get("last_learnt", last_learnt);
     get("sim_s", sim_s);
     get("steps_bytes", steps_bytes);
     get("progress_bytes", progress_bytes);
@@ -376,8 +379,12 @@ class Trainer {
     const Outcome& outcome = trial.outcome;
     const int state_step = plan.extra ? progress_.extra : progress_.learnt[At(state)];
     if (!plan.extra) {
+      const int last = progress_.last_learnt;
+      const bool follows = last >= 0 && trial.from.value("step", -1) == last;
       agent_.Learn({state, trial.percept.features, trial.decision.action, n_actions_[At(state)],
-                    outcome.reward, outcome.next.state, outcome.next.features, outcome.done});
+                    outcome.reward, outcome.next.state, outcome.next.features, outcome.done,
+                    follows});
+      progress_.last_learnt = progress_.actions;
     }
     Log(plan, trial, state_step);
     Keep(plan, outcome);

@@ -11,9 +11,18 @@
 
 namespace gusset {
 
+/// Names of all learners. The networks among them need a build with libtorch.
+inline const std::vector<std::string>& AgentNames() {
+  static const std::vector<std::string> names = {"pi",  "q_learning", "ucb1",       "thompson",
+                                                 "dqn", "plain_dqn",  "double_dqn", "dueling_dqn",
+                                                 "a2c", "ppo",        "random"};
+  return names;
+}
+
 /// What a training run is. Section [train].
 struct TrainConfig {
   std::string agent = "pi";
+  bool affordances = true;  ///< False: every state offers all 252 actions (BaggingConfig).
   std::string bag = "bag1";
   std::string protocol = "pools";
   int steps = 100;  ///< Learnt steps per state, N.
@@ -25,7 +34,8 @@ struct TrainConfig {
 
   template <class V>
   void Fields(V& v) {
-    v("agent", agent, std::vector<std::string>{"pi", "random"});
+    v("agent", agent, AgentNames());
+    v("affordances", affordances);
     v("bag", bag, std::vector<std::string>{});
     v("protocol", protocol, std::vector<std::string>{"pools", "chain"});
     v("steps", steps, Range{1, 1000000});

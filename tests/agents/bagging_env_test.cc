@@ -52,6 +52,71 @@ TEST_F(BaggingEnvTest, EveryStateAffordsItsOwnPairOnly) {
   EXPECT_THAT(env_.ActionCounts(), testing::ElementsAre(81, 81, 9, 81));
 }
 
+class WithoutAffordances : public BaggingEnvTest {
+ protected:
+  static BaggingConfig Flat() {
+    BaggingConfig config;
+    config.affordances = false;
+    return config;
+  }
+  BaggingEnv flat_{rig_, rig_, rig_, rig_, Flat()};
+};
+
+TEST_F(WithoutAffordances, EveryStateOffersEveryPair) {
+  EXPECT_THAT(flat_.ActionCounts(), testing::ElementsAre(252, 252, 252, 252));
+}
+
+// Every index is the action of exactly one pair, in the pairs' order.
+TEST_F(WithoutAffordances, IndicesRunThroughThePairs) {
+  int index = 0;
+  for (int pair = 0; pair < kActingStates; ++pair) {
+    for (int wanted = 0; wanted < AffordanceOf(pair).actions(); ++wanted) {
+      int action = -1;
+      EXPECT_EQ(PairOfAction(index++, action), pair);
+      EXPECT_EQ(action, wanted);
+    }
+  }
+  EXPECT_EQ(index, AllActions());
+}
+
+TEST_F(WithoutAffordances, APairThatDoesNotFitCostsAStepAndMovesNothing) {
+  constexpr int kFirst[] = {0, 81, 162, 171};
+  rig_.next = 4;
+  for (int state = 0; state < kActingStates; ++state) {
+    for (int pair = 0; pair < kActingStates; ++pair) {
+      if (pair == state) continue;
+      const Percept percept = flat_.Begin(std::to_string(state), 5);
+      const double before_s = rig_.time_s();
+      const Outcome outcome = flat_.Act(kFirst[pair] + 3);
+      EXPECT_TRUE(rig_.moves.empty());
+      EXPECT_EQ(rig_.time_s(), before_s);
+      EXPECT_EQ(outcome.after, std::to_string(state));
+      EXPECT_EQ(outcome.next.state, state);
+      EXPECT_EQ(outcome.next.features, percept.features);
+      EXPECT_FALSE(outcome.done);
+      EXPECT_FALSE(outcome.true_success);
+      // Paid as the same look twice: A_bag / A_bmax, A_o / A_omax, no cube placed, no carry.
+      const double wanted[] = {percept.features[0], percept.features[1], 0, -0.1};
+      EXPECT_EQ(outcome.reward, wanted[state]);
+      EXPECT_EQ(outcome.log["pair"], pair);
+    }
+  }
+}
+
+TEST_F(WithoutAffordances, APairThatFitsIsTheActionThatItIsWithThem) {
+  constexpr int kFirst[] = {0, 81, 162, 171};
+  for (int state = 0; state < kActingStates; ++state) {
+    const Outcome with = Act(state, 5, 3);
+    const std::size_t moves = rig_.moves.size();
+    rig_.next = 3;
+    flat_.Begin(std::to_string(state), 5);
+    const Outcome without = flat_.Act(kFirst[state] + 5);
+    EXPECT_EQ(without.log, with.log);
+    EXPECT_EQ(without.reward, with.reward);
+    EXPECT_EQ(rig_.moves.size(), moves);
+  }
+}
+
 TEST_F(BaggingEnvTest, StatesOfTheDrawingsAreSeenAndEndEpisodesOnlyWhenTheyShould) {
   for (int next = 0; next <= 5; ++next) {
     const Outcome outcome = Act(3, 40, next);

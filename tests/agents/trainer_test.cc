@@ -210,6 +210,40 @@ TEST_F(TrainerTest, ChainLearnsInEveryStateAndIsGreedyWhereItIsFull) {
   for (int s = 0; s < 4; ++s) EXPECT_EQ(count[s], 10);
 }
 
+// Remembers whether each transition followed on from the one before.
+class Follower final : public Agent {
+ public:
+  Decision Act(int, std::span<const double>, int n, Mode, Rng& rng) const override {
+    return {rng.Below(n), true, 1};
+  }
+  void Learn(const Transition& transition) override { follows.push_back(transition.follows); }
+  nlohmann::json Save() const override { return {}; }
+  void Load(const nlohmann::json&) override {}
+  std::string name() const override { return "follower"; }
+  std::vector<bool> follows;
+};
+
+TEST_F(TrainerTest, ATransitionFollowsIfItBeganWhereTheOneLearntBeforeItEnded) {
+  for (const char* protocol : {"pools", "chain"}) {
+    const RunFolder folder = NewFolder(protocol);
+    Workers workers(1, [] { return std::make_unique<TableWorld>(); });
+    Follower agent;
+    Train(workers, agent, {.protocol = protocol, .steps = 20}, folder, {}, [] { return false; });
+    std::size_t learnt = 0;
+    int last = -1, number_that_follow = 0;
+    for (const json& step : Steps(folder)) {
+      if (step["kind"] != "train") continue;
+      const bool wanted = last >= 0 && step["from"].value("step", -1) == last;
+      ASSERT_EQ(agent.follows[learnt], wanted) << learnt;
+      number_that_follow += wanted;
+      last = step["step"];
+      ++learnt;
+    }
+    EXPECT_EQ(learnt, agent.follows.size());
+    EXPECT_TRUE(protocol == std::string("pools") || number_that_follow > 20);
+  }
+}
+
 TEST_F(TrainerTest, FramesAreKeptOnlyForWhatWasAskedFor) {
   const auto frames = [](const RunFolder& folder) {
     return std::distance(std::filesystem::directory_iterator(folder.frames()), {});

@@ -31,6 +31,9 @@ const std::vector<Layer>& Layers() {
       {"agents/ports/",
        {"agents/ports/", "perception/rgbd_frame.h", "perception/camera_model.h", "base/"},
        {"opencv2/", "Eigen/"}},
+      {"agents/deep/",
+       {"agents/deep/", "agents/agent.h", "agents/json_fields.h", "base/"},
+       {"Eigen/", "nlohmann/", "ATen/", "torch/", "POSIX"}},
       {"agents/",
        {"agents/", "perception/", "base/"},
        {"opencv2/", "Eigen/", "toml++/", "nlohmann/", "spdlog/"}},
@@ -44,7 +47,7 @@ const std::vector<Layer>& Layers() {
 }
 
 bool IsPosix(const std::string& header) {
-  static const std::regex posix("(unistd|fcntl|signal|dirent|sys/.*|(i|e|x)mmintrin)(\\.h)?");
+  static const std::regex posix("(unistd|fcntl|signal|dirent|dlfcn|sys/.*|(i|e|x)mmintrin)(\\.h)?");
   return std::regex_match(header, posix);
 }
 
@@ -114,6 +117,15 @@ TEST(Layers, AnAgentThatLooksAtTheWorldIsCaught) {
   const std::vector<std::string> offences = Offences("agents/cheat.cc", text);
   ASSERT_EQ(offences.size(), 2u);
   EXPECT_EQ(offences[0], "agents/cheat.cc:2: sim/world.h");
+}
+
+TEST(Layers, LibtorchStaysInItsOwnTarget) {
+  std::istringstream agents("#include <ATen/core/Tensor.h>\n#include \"agents/agent.h\"\n");
+  EXPECT_EQ(Offences("agents/pi_learning.cc", agents).size(), 1u);
+  std::istringstream deep(
+      "#include <ATen/core/Tensor.h>\n#include \"agents/agent.h\"\n"
+      "#include \"agents/trainer.h\"\n#include \"perception/state.h\"\n");
+  EXPECT_EQ(Offences("agents/deep/dqn.cc", deep).size(), 2u);
 }
 
 TEST(Layers, TheWorldDoesNotKnowAgentsOrHowImagesAreRead) {

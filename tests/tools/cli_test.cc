@@ -74,6 +74,7 @@ TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
   ExpectRefused("bogus", "");
   ExpectRefused("train", "--out");
   ExpectRefused("train --out X --steps", "--steps");
+  ExpectRefused("train --agent dqm --out X", "\"double_dqn\"");
   ExpectRefused("render --state s9 --out X", "s9");
   ExpectRefused("evaluate --policy random --episodes 0", "--episodes");
   ExpectRefused("evaluate --policy random --start crumpled", "crumpled");

@@ -17,9 +17,10 @@
 namespace gusset {
 namespace {
 
-std::string Caption(int state, int action) {
-  const Affordance& rule = AffordanceOf(state);
-  const ActionChoice choice = DecodeAction(state, action);
+std::string Caption(const BaggingConfig& config, int state, int action) {
+  const int pair = config.affordances ? state : PairOfAction(action, action);
+  const Affordance& rule = AffordanceOf(pair);
+  const ActionChoice choice = DecodeAction(pair, action);
   return "s" + std::to_string(state) + ": " + rule.primary + " + " + rule.complementary +
          ", point " + std::to_string(choice.point) + ", parameter " +
          std::to_string(choice.parameter);
@@ -28,11 +29,12 @@ std::string Caption(int state, int action) {
 // An agent whose choices are told to someone before they are carried out.
 class Announced final : public Agent {
  public:
-  Announced(const Agent& agent, EpisodeVideo& video) : agent_(agent), video_(video) {}
+  Announced(const Agent& agent, const BaggingConfig& config, EpisodeVideo& video)
+      : agent_(agent), config_(config), video_(video) {}
   Decision Act(int state, std::span<const double> features, int n_actions, Mode mode,
                Rng& rng) const override {
     const Decision decision = agent_.Act(state, features, n_actions, mode, rng);
-    video_.Say(Caption(state, decision.action));
+    video_.Say(Caption(config_, state, decision.action));
     return decision;
   }
   void Learn(const Transition&) override {}
@@ -42,6 +44,7 @@ class Announced final : public Agent {
 
  private:
   const Agent& agent_;
+  const BaggingConfig& config_;
   EpisodeVideo& video_;
 };
 
@@ -74,7 +77,7 @@ class PlayCommand final : public Command {
     Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
     MakeFolder(out_);
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
-    run_.empty() ? PlayEpisode(settings, environment) : RepeatStep(environment);
+    run_.empty() ? PlayEpisode(settings, environment) : RepeatStep(settings, environment);
   }
 
  private:
@@ -94,7 +97,7 @@ class PlayCommand final : public Command {
     Episode episode;
     {
       EpisodeVideo video(std::filesystem::path(out_) / "episode.mp4", environment);
-      episode = RunEpisode(environment, Announced(*agent, video),
+      episode = RunEpisode(environment, Announced(*agent, settings.bagging, video),
                            {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0,
                            [&](int step) { WriteViews(environment, step); });
     }
@@ -105,7 +108,8 @@ class PlayCommand final : public Command {
                        {"next_state", step.next_state},
                        {"next_state_true", step.true_state},
                        {"sensor_seed", step.sensor_seed}});
-      std::cout << Caption(step.state, step.action) << " -> s" << step.next_state << "\n";
+      std::cout << Caption(settings.bagging, step.state, step.action) << " -> s" << step.next_state
+                << "\n";
     }
     std::cout << (episode.true_success ? "success" : "failure") << ", seen as "
               << (episode.perceived_success ? "success" : "failure") << ": " << out_ << std::endl;
@@ -119,23 +123,24 @@ class PlayCommand final : public Command {
     WriteFileAtomic(std::filesystem::path(out_) / "episode.json", document.dump(2) + "\n");
   }
 
-  void RepeatStep(TestbedEnv& environment) const {
+  void RepeatStep(const Settings& settings, TestbedEnv& environment) const {
     const Snapshot world = WorldBefore(environment, steps_, step_);
     const nlohmann::json& line = steps_.at(static_cast<std::size_t>(step_));
-    const int action = JsonField<int>(line, "action", 0, 80);
     const Percept percept = environment.Begin(world, JsonField<std::uint64_t>(line, "sensor_seed"));
-    if (percept.state != JsonField<int>(line, "state")) {
+    if (percept.state != JsonField<int>(line, "state", 0, kActingStates - 1)) {
       throw RunError("step " + std::to_string(step_) +
                      " does not come out as logged: the bag is in s" +
                      std::to_string(percept.state));
     }
+    const int on_offer = environment.ActionCounts().at(static_cast<std::size_t>(percept.state));
+    const int action = JsonField<int>(line, "action", 0, on_offer - 1);
+    const std::string caption = Caption(settings.bagging, percept.state, action);
     EpisodeVideo video(std::filesystem::path(out_) / "action.mp4", environment);
-    video.Say(Caption(percept.state, action));
+    video.Say(caption);
     const Outcome outcome = environment.Act(action);
     WriteViews(environment, step_);
-    std::cout << Caption(percept.state, action) << " -> s" << outcome.next.state << ", reward "
-              << outcome.reward << " (logged: " << line.value("reward", 0.0) << "): " << out_
-              << std::endl;
+    std::cout << caption << " -> s" << outcome.next.state << ", reward " << outcome.reward
+              << " (logged: " << line.value("reward", 0.0) << "): " << out_ << std::endl;
   }
 
   CommonOptions common_;

@@ -10,8 +10,10 @@
 
 #include "agents/affordances.h"
 #include "agents/random_agent.h"
+#include "agents/thompson_sampling.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "tools/gusset/deep_agents.h"
 #include "tools/gusset/testbed_env.h"
 
 namespace gusset {
@@ -21,12 +23,28 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 extern "C" void OnStopSignal(int) { stop_requested = 1; }
 
+template <class Visitor>
+void VisitLearners(Settings& settings, Visitor visit) {
+  visit("pi", settings.pi);
+  visit("q_learning", settings.q_learning);
+  visit("ucb1", settings.ucb1);
+  visit("dqn", settings.deep.dqn);
+  visit("a2c", settings.deep.a2c);
+  visit("ppo", settings.deep.ppo);
+}
+
 // Reads what the environment and the learner need; the world's sections are left to MakeTestbed.
 void ReadSections(Settings& settings) {
+  const TrainConfig& train = settings.train;
   settings.tree.Read("train", settings.train);
-  settings.tree.Read("pi", settings.pi);
-  settings.pi.steps_per_state = settings.train.steps;
+  VisitLearners(settings,
+                [&](const char* section, auto& config) { settings.tree.Read(section, config); });
+  settings.pi.steps_per_state = train.steps;
+  settings.q_learning.steps_per_state = train.steps;
+  settings.deep.total_steps = std::int64_t{kActingStates} * train.steps;
+  settings.deep.seed = static_cast<std::uint64_t>(train.seed);
   settings.bagging.Read(settings.tree);
+  settings.bagging.affordances = train.affordances;
 }
 
 }  // namespace
@@ -100,7 +118,9 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   const std::unique_ptr<Testbed> testbed = MakeTestbed(settings.tree);
   settings.tree.RefuseUnknown();
   AppendToml("train", settings.train, settings.resolved);
-  AppendToml("pi", settings.pi, settings.resolved);
+  VisitLearners(settings, [&](const char* section, const auto& config) {
+    AppendToml(section, config, settings.resolved);
+  });
   settings.bagging.AppendTo(settings.resolved);
   testbed->AppendConfig(settings.resolved);
   return settings;
@@ -114,10 +134,14 @@ Workers::Factory Settings::EnvironmentFactory() const {
 }
 
 std::unique_ptr<Agent> MakeAgent(const Settings& settings) {
-  if (settings.train.agent == "random") return std::make_unique<RandomAgent>();
-  std::vector<int> n_actions;
-  for (int s = 0; s < kActingStates; ++s) n_actions.push_back(AffordanceOf(s).actions());
-  return std::make_unique<PiLearning>(settings.pi, n_actions);
+  const std::string& name = settings.train.agent;
+  const std::vector<int> n_actions = ActionsOnOffer(settings.train.affordances);
+  if (name == "pi") return std::make_unique<PiLearning>(settings.pi, n_actions);
+  if (name == "q_learning") return std::make_unique<QLearning>(settings.q_learning, n_actions);
+  if (name == "ucb1") return std::make_unique<Ucb1>(settings.ucb1, n_actions);
+  if (name == "thompson") return std::make_unique<ThompsonSampling>(n_actions);
+  if (name == "random") return std::make_unique<RandomAgent>();
+  return LoadDeepAgent(name, settings.deep, n_actions);
 }
 
 std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& settings) {
@@ -129,13 +153,15 @@ std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& sett
 
 nlohmann::ordered_json Versions() {
   const int bullet = BT_BULLET_VERSION;
-  return {
+  nlohmann::ordered_json versions = {
       {"gusset", GUSSET_VERSION},
       {"bullet", std::to_string(bullet / 100) + "." + std::to_string(bullet % 100)},
       {"opencv", CV_VERSION},
       {"eigen", std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) +
                     "." + std::to_string(EIGEN_MINOR_VERSION)},
       {"compiler", __VERSION__}};
+  versions.update(LoadedDeepVersions());
+  return versions;
 }
 
 void PrintJson(const nlohmann::ordered_json& document) {

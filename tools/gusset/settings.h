@@ -9,8 +9,11 @@
 
 #include "agents/agent.h"
 #include "agents/bagging_env.h"
+#include "agents/deep/config.h"
 #include "agents/pi_learning.h"
+#include "agents/q_learning.h"
 #include "agents/trainer.h"
+#include "agents/ucb1.h"
 #include "agents/workers.h"
 #include "tools/gusset/wiring.h"
 
@@ -33,6 +36,9 @@ struct Settings {
   BaggingConfig bagging;
   TrainConfig train;
   PiConfig pi;
+  QLearningConfig q_learning;
+  Ucb1Config ucb1;
+  DeepConfig deep;
   std::string resolved;  ///< config.toml: every value that took effect.
 
   /// Makes environments, each with a world of its own.
@@ -64,6 +70,7 @@ std::filesystem::path BagFile(const std::string& bag);
 std::filesystem::path ConfigBeside(const std::filesystem::path& policy);
 
 /// A new learner of the kind that `settings.train.agent` names.
+/// @throws InputError if it is a network and this build has none.
 std::unique_ptr<Agent> MakeAgent(const Settings& settings);
 
 /// A learner as evaluate and play use it: from a run folder, a policy file, or "random".

@@ -59,11 +59,11 @@ class TrainCommand final : public Command {
   void Declare(CLI::App& app) override {
     app.add_option("--out", out_, "Run folder to write")->required()->type_name("DIR");
     app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [bag1]");
-    const auto option = [&](const char* name, const char* key, const char* help) {
+    const auto option = [&](const char* name, const char* key, const std::string& help) {
       options_.push_back(std::make_unique<Assignment>(Assignment{name, key, {}}));
       app.add_option(name, options_.back()->value, help);
     };
-    option("--agent", "train.agent", "Learner: pi, random [pi]");
+    option("--agent", "train.agent", "Learner: " + CLI::detail::join(AgentNames(), ", ") + " [pi]");
     option("--steps", "train.steps", "Learnt steps per state: 100 means 400 in all [100]");
     option("--seed", "train.seed", "Seed of everything random [1]");
     option("--update", "pi.update", "Update rule: mean, published, last [mean]");
@@ -82,10 +82,11 @@ class TrainCommand final : public Command {
     for (const auto& option : options_) source.assignments.push_back(*option);
     if (resume_) source.base = RunFolder::Open(out_).config();
     const Settings settings = LoadSettings(common_, source);
+    // Before the folder, which would hold a run of an agent that this build does not have.
+    const std::unique_ptr<Agent> agent = MakeAgent(settings);
     const RunFolder folder = resume_ ? Reopened(settings) : Created(settings);
 
     WatchForStop();
-    const std::unique_ptr<Agent> agent = MakeAgent(settings);
     TrainSummary summary;
     {
       Workers workers(jobs_, settings.EnvironmentFactory());
