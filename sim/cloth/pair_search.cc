@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <set>
 
 #include "sim/cloth/closest_points.h"
 
 namespace gusset {
 namespace {
-
-// Share of the reach by which a node must be beside a triangle to leave the
-// force to a neighbour until the next search.
-constexpr float kGuardTolerance = 0.5f;
 
 Float4 Length(const Vec3x4& v) { return Sqrt(Dot(v, v)); }
 
@@ -22,7 +17,7 @@ Vec3x4 MaxAbs(const Vec3x4& a, const Vec3x4& b) {
 
 }  // namespace
 
-PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh) {
+PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh), facing_(mesh) {
   rows_ = static_cast<int>(mesh.patch_rows.size()) / mesh.layers;
   columns_ = static_cast<int>(mesh.patch_rows.front().size());
   for (const auto& row : mesh.patch_rows) patches_.insert(patches_.end(), row.begin(), row.end());
@@ -58,18 +53,6 @@ PairSearch::PairSearch(const ClothMesh& mesh) : mesh_(mesh) {
     roots_.push_back(BuildTree(layer * rows_, (layer + 1) * rows_, 0, columns_));
   }
   ListNeighbours();
-  std::vector<char> corner_owned(mesh.rest.size(), 0);
-  std::set<std::array<int, 2>> side_owned;
-  for (const auto& t : mesh.triangles) {
-    int owned = 0;
-    for (int k = 0; k < 3; ++k) {
-      const int a = t[k], b = t[(k + 1) % 3];
-      if (!corner_owned[a]) owned |= 1 << k;
-      corner_owned[a] = 1;
-      if (side_owned.insert({std::min(a, b), std::max(a, b)}).second) owned |= 8 << k;
-    }
-    owned_.push_back(static_cast<std::uint8_t>(owned));
-  }
 }
 
 int PairSearch::BuildTree(int row0, int row1, int col0, int col1) {
@@ -149,10 +132,16 @@ void PairSearch::Refit(const MotionForecast& forecast) {
     const Float4 grow = half + way[i][3];
     node_box_[i] = {Min(from, to) - grow, Max(from, to) + grow};
   }
+  facing_.FindRidges(start, ridge_);
   edge_box_.resize(mesh_.edges.size());
+  const Float4 shrink[2] = {half * (1 - kGuardedShare), 0.0f};
   for (std::size_t i = 0; i < mesh_.edges.size(); ++i) {
-    edge_box_[i] = node_box_[mesh_.edges[i][0]];
-    edge_box_[i].Include(node_box_[mesh_.edges[i][1]]);
+    Box& box = edge_box_[i];
+    box = node_box_[mesh_.edges[i][0]];
+    box.Include(node_box_[mesh_.edges[i][1]]);
+    // What carries no force is watched no further than that.
+    box.lo = box.lo + shrink[ridge_[i]];
+    box.hi = box.hi - shrink[ridge_[i]];
   }
   triangle_box_.resize(mesh_.triangles.size());
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
@@ -292,8 +281,7 @@ void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
                            ab.x * ac.y - ab.y * ac.x};
     const Float4 off = Dot(gap, normal);
     const Float4 beside2 = Dot(gap, gap) - off * off / Max(Dot(normal, normal), 1e-20f);
-    const Float4 most = approach * kGuardTolerance;
-    const int beside = Bits(most * most < beside2);
+    const int beside = Bits(approach * approach < beside2);
     const int watch = Bits(distance <= approach + mesh_.thickness_m * kGuardedShare);
     alignas(16) float d[4], wa[4], wb[4], wc[4];
     distance.Store(d);
@@ -302,11 +290,12 @@ void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
     w.c.Store(wc);
     for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
       const int triangle = maybe_node_triangle_[i + lane][1];
-      const bool guard = (beside >> lane & 1) && !Owns(triangle, {wa[lane], wb[lane], wc[lane]});
+      const bool guard =
+          (beside >> lane & 1) && !facing_.Owns(triangle, {wa[lane], wb[lane], wc[lane]});
       out.Offer({{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
                   static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
                  d[lane],
-                 static_cast<std::uint16_t>(triangle),
+                 {static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(triangle)},
                  false,
                  guard},
                 (guard ? watch : keep) >> lane & 1);
@@ -320,8 +309,10 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
   out.Expect(count);
   for (std::size_t i = 0; i < count; i += 4) {
     std::array<std::array<int, 4>, 4> n;  // [end][lane]
+    alignas(16) float both_ridges[4];
     for (std::size_t lane = 0; lane < 4; ++lane) {
       const IdPair& pair = maybe_edges_[std::min(i + lane, count - 1)];
+      both_ridges[lane] = ridge_[pair[0]] & ridge_[pair[1]] ? 1.0f : 0.0f;
       n[0][lane] = mesh_.edges[pair[0]][0];
       n[1][lane] = mesh_.edges[pair[0]][1];
       n[2][lane] = mesh_.edges[pair[1]][0];
@@ -341,11 +332,13 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
     relative = MaxAbs(relative, vb - vc);
     relative = MaxAbs(relative, vb - vd);
     const Float4 approach = Length(relative) + Max(m0, m1) + Max(m2, m3);
-    // An end of an edge is a node, and node against triangle carries its
-    // contact.
+    // An end of an edge is a node, and node against triangle carries its contact, as it does where
+    // cloth is flat.
+    const Float4 ridges = Float4::Load(both_ridges);
     const Float4 inner =
         (Float4(0.0f) < w.s) & (w.s < Float4(1.0f)) & (Float4(0.0f) < w.t) & (w.t < Float4(1.0f));
-    const Float4 near = Select(inner, mesh_.thickness_m, mesh_.thickness_m * kGuardedShare);
+    const Float4 force = inner & (Float4(0.0f) < ridges);
+    const Float4 near = Select(force, mesh_.thickness_m, mesh_.thickness_m * kGuardedShare);
     const int keep = Bits(distance <= approach + near);
     if (keep == 0) continue;
     alignas(16) float length[4];
@@ -354,21 +347,12 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
       out.Offer({{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
                   static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
                  length[lane],
-                 0,
+                 maybe_edges_[i + lane],
                  true,
-                 !(Bits(inner) >> lane & 1)},
+                 !(Bits(force) >> lane & 1)},
                 keep >> lane & 1);
     }
   }
-}
-
-bool PairSearch::Owns(int triangle, const std::array<float, 3>& b) const {
-  const int zeros = (b[0] <= 0) + (b[1] <= 0) + (b[2] <= 0);
-  for (int k = 0; k < 3; ++k) {
-    if (zeros == 2 && b[k] > 0) return owned_[triangle] >> k & 1;
-    if (zeros == 1 && b[(k + 2) % 3] <= 0) return owned_[triangle] >> (3 + k) & 1;
-  }
-  return true;
 }
 
 }  // namespace gusset

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/cloth/bag_mesh.h"
+#include "sim/cloth/facing.h"
 #include "sim/cloth/motion_forecast.h"
 #include "sim/cloth/sieve.h"
 
@@ -15,20 +16,20 @@ namespace gusset {
 constexpr float kGuardedShare = 0.2f;
 
 /// Two elements of a cloth that may meet: node 0 against triangle (1, 2, 3), or
-/// edge (0, 1) against edge (2, 3). 16 bytes.
+/// edge (0, 1) against edge (2, 3). 20 bytes.
 struct ElementPair {
   std::array<std::uint16_t, 4> node;
-  float distance_m;        ///< When found.
-  std::uint16_t triangle;  ///< Index of the triangle.
+  float distance_m;                      ///< When found.
+  std::array<std::uint16_t, 2> element;  ///< Node and triangle, or both edges.
   bool edges;
   bool guard;  ///< Another pair carries the contact force; watched for crossing
                ///< only.
 };
 
-/// Finds every pair of elements that can come closer than one thickness while a
-/// forecast of their motion holds: a tree of boxes over the mesh's quads, boxes
-/// swept along the forecast, then the distance of each remaining pair against
-/// how far the two can move towards each other.
+/// Finds every pair of elements that can come closer than one thickness (kGuardedShare of it where
+/// borders or flat edges meet, which carry no force) while a forecast of their motion holds: a tree
+/// of boxes over the mesh's quads, boxes swept along the forecast, then the distance of each
+/// remaining pair against how far the two can move towards each other.
 class PairSearch {
  public:
   explicit PairSearch(const ClothMesh& mesh);
@@ -38,10 +39,7 @@ class PairSearch {
   void Find(const MotionForecast& forecast, Sieve<ElementPair>& node_triangle,
             Sieve<ElementPair>& edge_edge);
 
-  /// True if `triangle` is the one that carries a contact at this point of it:
-  /// a point on a border is closest for all triangles that share the border,
-  /// and only one may push.
-  bool Owns(int triangle, const std::array<float, 3>& barycentric) const;
+  const Facing& facing() const { return facing_; }
 
  private:
   struct Box {
@@ -86,8 +84,8 @@ class PairSearch {
   /// Elements of adjoining patches of one layer that share no node; their boxes
   /// nearly always touch, so the tree leaves them to these lists.
   std::vector<IdPair> near_node_triangle_, near_edges_;
-  /// Per triangle. Bit k: owns corner k; bit 3 + k: the side from corner k on.
-  std::vector<std::uint8_t> owned_;
+  Facing facing_;
+  std::vector<std::uint8_t> ridge_;  ///< Per edge: may carry force, as Facing::FindRidges has it.
 
   std::vector<Box> node_box_, edge_box_, triangle_box_, tree_box_;
   Sieve<IdPair> maybe_node_triangle_, maybe_edges_;  ///< Boxes touch.

@@ -1,7 +1,6 @@
 #include "sim/cloth/self_contact.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -20,7 +19,14 @@ constexpr float kTrust = 0.8f;  // share of a margin after which a forecast is m
 // A plane that has turned until it separates by less than this share of the gap
 // is placed anew.
 constexpr float kTilted = 0.8f;
-constexpr int kSweeps = 15;
+// Two sweeps leave a stack some slip below Coulomb's limit. Contacts remember it, and this much of
+// it is taken back in a second, a fifth in a substep at the default rate: all of it at once would
+// keep a hanging bag trembling. Tuned 2026-11 (Rest, LayerFriction).
+constexpr float kReturned_1_s = 120.0f;
+constexpr float kMostReturned = 0.5f;
+constexpr float kMostSlipped_m = 1e-4f;  // below what any camera or finger tells; tuned with it
+constexpr int kSweeps = 5;               // over what was violated, before all are looked at again
+constexpr int kLooks = 8;
 constexpr int kAttempts = 4;
 // Clearances below this never shrink: positions near 1 m are rounded to 6e-8 m.
 constexpr float kLeastKept_m = 2e-5f;
@@ -66,6 +72,8 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   SelectFrom<true>(edge_edge_, x);
   force_count_ = contacts_.size();
   pushed_.assign((force_count_ + 63) / 64, 0);
+  slipped_.assign(force_count_, Vec4f::Zero());
+  most_slipped_m_.assign(force_count_, 0.0f);
   contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
   planes_.resize((contacts_.size() + 3) / 4);
   for (std::size_t i = 0; i < 4 * planes_.size(); ++i) SetPlane(i);
@@ -123,9 +131,9 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
     const ElementPair& pair = pairs[near_pairs_[i]];
     Contact c;
     c.node = pair.node;
-    c.triangle = pair.triangle;
+    c.element = pair.element;
     c.edges = edges;
-    c.force = !pair.guard;
+    c.kept_m = pair.guard ? 0.0f : thickness_m_;
     picked_.push_back(c);
     // From here on, only the near forecast's own way counts.
     const std::array<Float4, 4> p = nodes(from_, pair), q = nodes(to_, pair);
@@ -142,16 +150,27 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
   }
   for (std::size_t i = 0; i < picked_.size(); ++i) {
     Contact& c = picked_[i];
-    if (c.force) {
-      const auto& w = c.weight;
-      // An end of an edge is a node, and node against triangle carries its
-      // contact.
-      c.force = c.edges ? w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0
-                        : pair_search_.Owns(c.triangle, {-w[1], -w[2], -w[3]});
-    }
-    if (c.gap_m > approach_m_[i] + thickness_m_ * (c.force ? 1.0f : kGuardedShare)) continue;
-    (c.force ? contacts_ : guards_).push_back(c);
+    if (c.kept_m > 0) c.kept_m = KeptDistance(c, x);
+    if (c.gap_m > approach_m_[i] + std::max(c.kept_m, thickness_m_ * kGuardedShare)) continue;
+    (c.kept_m > 0 ? contacts_ : guards_).push_back(c);
   }
+}
+
+// How far apart the contact keeps its elements: not at all where another one does.
+float SelfContact::KeptDistance(const Contact& c, const Vec4Array& x) const {
+  const auto& w = c.weight;
+  const Facing& facing = pair_search_.facing();
+  if (!c.edges) {
+    const std::array<float, 3> at = {-w[1], -w[2], -w[3]};
+    const int triangle = c.element[1];
+    const bool here = facing.Owns(triangle, at) && facing.IsClosest(triangle, at, c.normal, x);
+    return here ? thickness_m_ : 0.0f;
+  }
+  // An end of an edge is a node, and node against triangle carries its contact.
+  if (!(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return 0;
+  const float share = std::min(facing.RidgeShare(c.element[0], -c.normal, x),
+                               facing.RidgeShare(c.element[1], c.normal, x));
+  return share * thickness_m_;
 }
 
 // Closest points of four pairs of one kind at x: weights, normal, distance.
@@ -269,7 +288,11 @@ void SelfContact::Measure(const Vec4Array& x) {
       if (filled == 0) return;
       for (int k = filled; k < 4; ++k) four[k] = four[0];
       Place(four, x);
-      for (int k = 0; k < filled; ++k) SetPlane(four[k] - contacts_.data());
+      for (int k = 0; k < filled; ++k) {
+        const auto at = static_cast<std::size_t>(four[k] - contacts_.data());
+        SetPlane(at);
+        if (at < force_count_) slipped_[at].setZero();  // of other points
+      }
       filled = 0;
     };
     for (const int i : violated_) {
@@ -294,10 +317,11 @@ void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float
   }
   far_.Age(h);
   near_.Age(h);
+  returned_ = std::min(kReturned_1_s * h, kMostReturned);
   for (std::size_t i = 0; i < force_count_; ++i) {
     Contact& c = contacts_[i];
     c.gap_m = planes_[i / 4].gap[i % 4];
-    c.target_m = std::min(thickness_m_, c.gap_m + separation_m);
+    c.target_m = std::min(c.kept_m, c.gap_m + separation_m);
   }
 }
 
@@ -315,14 +339,17 @@ void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_m
     const auto& s = c.weight;
     const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
                     s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
-    // Coulomb friction on the slip of this substep (Mueller et al. 2007,
-    // section 3.5).
-    const Float4 slip3 = gap - (s0 * Vector(x_prev[n[0]]) + s1 * Vector(x_prev[n[1]]) +
-                                (s2 * Vector(x_prev[n[2]]) + s3 * Vector(x_prev[n[3]])));
+    // Coulomb friction on the slip of this substep (Mueller et al. 2007, section 3.5), and on some
+    // of what earlier ones left.
+    const Float4 slip3 = gap -
+                         (s0 * Vector(x_prev[n[0]]) + s1 * Vector(x_prev[n[1]]) +
+                          (s2 * Vector(x_prev[n[2]]) + s3 * Vector(x_prev[n[3]]))) +
+                         Vector(slipped_[i]) * Float4(returned_);
     const Float4 slip = slip3 - normal * Float4(Dot(normal, slip3));
     const float slip2 = Dot(slip, slip);
     const float most = friction_ * depth;
     const float share = slip2 > most * most ? most / std::sqrt(slip2) : 1.0f;
+    most_slipped_m_[i] = std::min(kMostSlipped_m, std::max(most_slipped_m_[i], most / returned_));
     const Float4 push = (normal * Float4(depth) - slip * Float4(share)) * Float4(1.0f / w);
     for (int k = 0; k < 4; ++k) {
       (Vector(x[n[k]]) + push * Float4(s[k] * inv_mass[n[k]])).Store(x[n[k]].data());
@@ -330,31 +357,41 @@ void SelfContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_m
   }
 }
 
-void SelfContact::StopRebound(const std::vector<float>& inv_mass, Vec4Array& v) {
-  for (std::size_t word = 0; word < pushed_.size(); ++word) {
-    for (std::uint64_t left = pushed_[word]; left != 0; left &= left - 1) {
-      const Contact& c = contacts_[64 * word + static_cast<std::size_t>(std::countr_zero(left))];
-      if (c.gap_m < thickness_m_) StopRebound(c, inv_mass, v);
+void SelfContact::EndSubstep(const std::vector<float>& inv_mass, float h, Vec4Array& v) {
+  const auto pushed = [&](std::size_t i) { return pushed_[i / 64] >> (i % 64) & 1; };
+  // Of node 0 to 3's velocities what the contact's gap changes by.
+  const auto rate = [&](const Contact& c) {
+    const auto& n = c.node;
+    const auto& s = c.weight;
+    return Float4(s[0]) * Vector(v[n[0]]) + Float4(s[1]) * Vector(v[n[1]]) +
+           (Float4(s[2]) * Vector(v[n[2]]) + Float4(s[3]) * Vector(v[n[3]]));
+  };
+  for (std::size_t i = 0; i < force_count_; ++i) {
+    const Float4 normal = Vector(contacts_[i].normal), all = rate(contacts_[i]);
+    const Float4 slipped =
+        Vector(slipped_[i]) + (all - normal * Float4(Dot(normal, all))) * Float4(h);
+    // No more than friction could take back, or it would pull where nothing did.
+    const float most = pushed(i) ? most_slipped_m_[i] : 0.0f, slipped2 = Dot(slipped, slipped);
+    const float kept = slipped2 > most * most ? most / std::sqrt(slipped2) : 1.0f;
+    (slipped * Float4(kept)).Store(slipped_[i].data());
+    most_slipped_m_[i] = 0;
+  }
+  for (std::size_t i = 0; i < force_count_; ++i) {
+    const Contact& c = contacts_[i];
+    if (!pushed(i) || c.gap_m >= c.kept_m) continue;
+    const Float4 normal = Vector(c.normal);
+    const float apart = Dot(normal, rate(c));
+    if (apart <= 0) continue;
+    const auto& n = c.node;
+    const auto& s = c.weight;
+    const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
+                    s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
+    const Float4 pull = normal * Float4(-apart / w);
+    for (int k = 0; k < 4; ++k) {
+      (Vector(v[n[k]]) + pull * Float4(s[k] * inv_mass[n[k]])).Store(v[n[k]].data());
     }
-    pushed_[word] = 0;
   }
-}
-
-void SelfContact::StopRebound(const Contact& c, const std::vector<float>& inv_mass,
-                              Vec4Array& v) const {
-  const auto& n = c.node;
-  const auto& s = c.weight;
-  const Float4 normal = Vector(c.normal);
-  const Float4 rate = Float4(s[0]) * Vector(v[n[0]]) + Float4(s[1]) * Vector(v[n[1]]) +
-                      (Float4(s[2]) * Vector(v[n[2]]) + Float4(s[3]) * Vector(v[n[3]]));
-  const float apart = Dot(normal, rate);
-  if (apart <= 0) return;
-  const float w = s[0] * s[0] * inv_mass[n[0]] + s[1] * s[1] * inv_mass[n[1]] +
-                  s[2] * s[2] * inv_mass[n[2]] + s[3] * s[3] * inv_mass[n[3]];
-  const Float4 pull = normal * Float4(-apart / w);
-  for (int k = 0; k < 4; ++k) {
-    (Vector(v[n[k]]) + pull * Float4(s[k] * inv_mass[n[k]])).Store(v[n[k]].data());
-  }
+  std::fill(pushed_.begin(), pushed_.end(), 0);
 }
 
 // What must be left of a contact's clearance at the substep's end: no less than
@@ -364,7 +401,7 @@ float SelfContact::LeastClearance(float clear_m) const {
   return std::min(0.1f * thickness_m_, std::max(0.5f * clear_m, kLeastKept_m));
 }
 
-// The sweeps stop here; nothing is taken from what never shrinks.
+// Planes that leave less are pushed apart; nothing is taken from what never shrinks.
 Float4 SelfContact::AcceptedClearance(Float4 clear_m) const {
   const Float4 least = Min(0.1f * thickness_m_, Max(clear_m * 0.5f, kLeastKept_m));
   return gusset::Select(clear_m <= kLeastKept_m, clear_m, least * 0.9f);
@@ -411,15 +448,21 @@ bool SelfContact::FindViolated(const Vec4Array& x) {
 
 // Gauss-Seidel on violated planes. True if none is left.
 bool SelfContact::PushApart(const std::vector<float>& inv_mass, Vec4Array& x) {
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (const int i : violated_) {
-      const Contact& c = contacts_[i];
-      int first, second;
-      const float lack = LeastClearance(clear_m(i)) - Clearance(c, x, first, second);
-      if (lack <= 0) continue;
-      const Vec4f push = c.normal * ((lack + kPushBeyond_m) / (inv_mass[first] + inv_mass[second]));
-      x[first] += push * inv_mass[first];
-      x[second] -= push * inv_mass[second];
+  for (int look = 0; look < kLooks; ++look) {
+    bool pushed = true;
+    for (int sweep = 0; sweep < kSweeps && pushed; ++sweep) {
+      pushed = false;
+      for (const int i : violated_) {
+        const Contact& c = contacts_[i];
+        int first, second;
+        const float lack = LeastClearance(clear_m(i)) - Clearance(c, x, first, second);
+        if (lack <= 0) continue;
+        pushed = true;
+        const Vec4f push =
+            c.normal * ((lack + kPushBeyond_m) / (inv_mass[first] + inv_mass[second]));
+        x[first] += push * inv_mass[first];
+        x[second] -= push * inv_mass[second];
+      }
     }
     if (!FindViolated(x)) return true;
   }

@@ -40,9 +40,10 @@ class SelfContact {
   /// One Gauss-Seidel pass: pushes pairs apart to one thickness and applies
   /// friction.
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, Vec4Array& x);
-  /// After the substep: where layers were pushed apart because they were closer than a thickness,
-  /// takes the speed of that from them, or a lump of cloth would never come to rest.
-  void StopRebound(const std::vector<float>& inv_mass, Vec4Array& v);
+  /// After the substep, with the velocities v that came of it: notes how much contacts slipped, and
+  /// where layers were pushed apart because they were closer than a thickness, takes the speed of
+  /// that from them, or a lump of cloth would never come to rest.
+  void EndSubstep(const std::vector<float>& inv_mass, float h, Vec4Array& v);
   /// Last word of a substep: after it, no pair has crossed between x_prev and
   /// x.
   /// @param floor_m lowest height a node's centre may have.
@@ -63,12 +64,12 @@ class SelfContact {
     Vec4f normal = Vec4f::Zero();      ///< From the second element to the first.
     std::array<float, 4> weight = {};  ///< Of each node in the gap vector; signed.
     std::array<std::uint16_t, 4> node = {};
-    float gap_m = 0;  ///< Along the normal between the weighted points, at the substep's start;
-                      ///< kept up to date for contacts that carry force.
-    float target_m = 0;
-    std::uint16_t triangle = 0;
+    float gap_m = 0;   ///< Along the normal between the weighted points, at the substep's start;
+                       ///< kept up to date for contacts that carry force.
+    float kept_m = 0;  ///< What the contact keeps its elements apart; 0: watched for crossing only.
+    float target_m = 0;  ///< As much of that as may be gained in this substep.
+    std::array<std::uint16_t, 2> element = {};  ///< As ElementPair's.
     bool edges = false;
-    bool force = false;
   };
   /// What is looked at in every substep, of four contacts, side by side: a third of their bytes.
   struct alignas(16) Planes {
@@ -90,7 +91,7 @@ class SelfContact {
   void SearchAlong(const Vec4Array& x_prev, const Vec4Array& x, float h, bool far);
   void Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const;
   void Measure(const Vec4Array& x);
-  void StopRebound(const Contact& c, const std::vector<float>& inv_mass, Vec4Array& v) const;
+  float KeptDistance(const Contact& c, const Vec4Array& x) const;
   float Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const;
   float LeastClearance(float clear_m) const;
   Float4 AcceptedClearance(Float4 clear_m) const;
@@ -104,6 +105,7 @@ class SelfContact {
   const ClothMesh& mesh_;
   float thickness_m_;
   float friction_;
+  float returned_ = 0;  ///< Share of the slip remembered that this substep takes back.
   PairSearch pair_search_;
   MotionForecast far_, near_;
   std::array<float, 2> errors_ = {};              ///< Of far_ and near_.
@@ -112,6 +114,8 @@ class SelfContact {
   std::vector<Contact> contacts_;  ///< What may meet within near_; first those that carry force.
   std::size_t force_count_ = 0;
   std::vector<std::uint64_t> pushed_;  ///< Bit i: contact i pushed in this substep.
+  Vec4Array slipped_;  ///< How far each contact that carries force has slipped, as remembered.
+  std::vector<float> most_slipped_m_;  ///< What friction could take back of that.
   std::vector<Planes> planes_;         ///< Of all contacts, in their order; the last ones repeated.
   // Scratch.
   Vec4Array v_;
