@@ -10,10 +10,10 @@ namespace gusset {
 /// which touch_force_N is felt, against the cloth's thickness.
 struct ScratchDragConfig {
   double opening_m = 0.085;    ///< Between the fingers as they come down: wide, for a single layer.
-  double touch_force_N = 0.7;  ///< Felt when the fingertips rest on the cloth.
+  double touch_force_N = 0.5;  ///< Felt when the fingertips rest on the cloth.
   int retries = 3;             ///< If nothing is between the pads then, so often again,
   double press_factor = 1.2;   ///< pressing so many times as hard.
-  double lift_m = 0.07;        ///< The layer is raised so far ...
+  double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
   double drag_most_m = 0.20;   ///< ... and dragged towards the target, so far at most.
   double drag_speed_m_s = 0.15;
   double release_height_m = 0.02;
