@@ -87,7 +87,7 @@ TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
   const std::string out = " --out " + (dir_ / "run").string();
   ExpectRefused("train --steps -1" + out, "--steps: train.steps = -1 is not within [1, ");
   ExpectRefused("train --seed x" + out, "--seed: train.seed = \"x\" must be a whole number");
-  ExpectRefused("train --agent dqn" + out, "--agent: train.agent = \"dqn\" is not one of");
+  ExpectRefused("train --agent sarsa" + out, "--agent: train.agent = \"sarsa\" is not one of");
   ExpectRefused("train --update sum" + out, "pi.update");
   ExpectRefused("train --set primitives.settle_s=nan" + out, "--set: primitives.settle_s = nan");
   ExpectRefused("train --set nonsense" + out, "--set: nonsense");
