@@ -12,7 +12,7 @@ namespace {
 constexpr float kLean = 0.01f;
 // Nodes half an edge to the side of a ridge keep a thickness less half an edge times the sine
 // there. An edge keeps a whole one from this share of the sine at which that is nothing; tuned
-// 2026-11: less, and lumps do not come to rest (RestAfterADrop).
+// 2026-11 (RestAfterADrop), where three and five times as much rests too, but a threshold does not.
 constexpr float kRidgeShare = 2.0f / 3.0f;
 // And nothing up to this share of that sine.
 constexpr float kFlatShare = 0.2f;

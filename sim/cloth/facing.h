@@ -30,11 +30,11 @@ class Facing {
   bool IsClosest(int triangle, const std::array<float, 3>& barycentric, const Vec4f& outwards,
                  const Vec4Array& x) const;
   /// The share of a thickness, 0 to 1, that `edge` keeps from what lies along `outwards`, a unit
-  /// vector across it: how far that is inside the edge's normal cone.
+  /// vector across it: 0 up to a fifth of ridge_sine() inside the edge's normal cone, 1 from
+  /// ridge_sine() on.
   float RidgeShare(int edge, const Vec4f& outwards, const Vec4Array& x) const;
   /// Per edge: 1 if some direction lies in its cone far enough for it to keep anything, or one
   /// triangle alone has it. Edges that are flat now stay so until the next search.
-  /// there.
   void FindRidges(const Vec4Array& x, std::vector<std::uint8_t>& ridge) const;
 
   /// Sine of how far inside an edge's cone something must be for the edge to keep a whole
