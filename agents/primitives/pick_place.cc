@@ -16,7 +16,9 @@ void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
     ScratchDrag(tool, grasp, grasp + config.widen_m * inward, LeftOf(inward), scratch, motion);
   } else {
     tool.Note("folded corner laid back instead");
-    LayLipOver(tool, mouth, config.grasp_inset_m, config.over_m, LeftOf(mouth.Outward_W()), scratch,
+    ScratchDragConfig both = scratch;
+    both.asides = 0;  // it is the two layers that are to be grasped
+    LayLipOver(tool, mouth, config.grasp_inset_m, config.over_m, LeftOf(mouth.Outward_W()), both,
                motion);
   }
 }

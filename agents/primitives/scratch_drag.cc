@@ -5,7 +5,8 @@ namespace gusset {
 void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion) {
-  const auto grasp = [&](double z) { return Eigen::Vector3d(p_W.x(), p_W.y(), z); };
+  Eigen::Vector3d grasp_W = p_W;
+  const auto grasp = [&](double z) { return At(grasp_W, z); };
   const Eigen::Vector3d drag = Within(config.drag_most_m, At(target_W - p_W, 0));
   const auto target = [&](double z) { return Eigen::Vector3d(grasp(z) + drag); };
 
@@ -13,9 +14,20 @@ void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vect
   tool.Fingers(config.opening_m);
   tool.Approach(grasp(motion.approach_m), AngleOf(along_W));
   tool.Go(grasp(p_W.z() + 0.02), motion.descend_speed_m_s);
-  const double touched = tool.Seize(grasp(-0.005), config.opening_m,
-                                    {config.touch_force_N, config.retries, config.press_factor})
-                             .z();
+  // Thick cloth between the pads is mostly both layers: let go of it and try beside it, where the
+  // cloth is not rucked up yet.
+  const Eigen::Vector3d aside = along_W.dot(drag) < 0 ? Eigen::Vector3d(-along_W) : along_W;
+  double touched = 0;
+  for (int moved = 0;; ++moved) {
+    touched = tool.Seize(grasp(-0.005), config.opening_m,
+                         {config.touch_force_N, config.retries, config.press_factor})
+                  .z();
+    if (tool.opening_m() <= config.stack_m || moved == config.asides) break;
+    tool.Fingers(config.opening_m);
+    tool.Go(grasp(touched + 0.02), motion.descend_speed_m_s);
+    grasp_W += config.aside_m * aside;
+    tool.Go(grasp(touched + 0.02), motion.descend_speed_m_s);
+  }
 
   // mu_drag: raise the layer, carry it over the target, let go.
   tool.Go(grasp(touched + config.lift_m), config.drag_speed_m_s);

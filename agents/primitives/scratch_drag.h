@@ -13,6 +13,9 @@ struct ScratchDragConfig {
   double touch_force_N = 0.5;  ///< Felt when the fingertips rest on the cloth.
   int retries = 3;             ///< If nothing is between the pads then, so often again,
   double press_factor = 1.2;   ///< pressing so many times as hard.
+  double stack_m = 0.0105;     ///< More than this between the closed pads is taken for both layers:
+  int asides = 2;              ///< so often the fingers let go and try again ...
+  double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes.
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
   double drag_most_m = 0.20;   ///< ... and dragged towards the target, so far at most.
   double drag_speed_m_s = 0.15;
@@ -26,6 +29,9 @@ struct ScratchDragConfig {
     v("touch_force_N", touch_force_N, Range{0.2, 20});
     v("retries", retries, Range{0, 10});
     v("press_factor", press_factor, Range{1, 3});
+    v("stack_m", stack_m, Range{0, 0.085});
+    v("asides", asides, Range{0, 10});
+    v("aside_m", aside_m, Range{0, 0.1});
     v("lift_m", lift_m, Range{0.01, 0.25});
     v("drag_most_m", drag_most_m, Range{0.02, 0.5});
     v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});

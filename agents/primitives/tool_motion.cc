@@ -95,7 +95,8 @@ Eigen::Vector3d ToolMotion::Seize(const Eigen::Vector3d& lowest_W, double openin
 bool ToolMotion::Close() { return Fingers(0) > kEmpty_m; }
 
 double ToolMotion::Fingers(double opening_m) {
-  return robot_.MoveGripper(opening_m, config_.finger_speed_m_s, config_.grip_force_N);
+  opening_m_ = robot_.MoveGripper(opening_m, config_.finger_speed_m_s, config_.grip_force_N);
+  return opening_m_;
 }
 
 void ToolMotion::LetGoAndRise() {

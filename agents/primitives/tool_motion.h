@@ -96,6 +96,8 @@ class ToolMotion {
   bool Close();
   /// Fingers to opening_m (0: closed). @returns the opening reached.
   double Fingers(double opening_m);
+  /// The opening that the fingers last reached.
+  double opening_m() const { return opening_m_; }
   /// As wide as they go. @returns the opening reached.
   double OpenFingers() { return Fingers(robot_.max_opening_m()); }
   void Wait(double seconds) { robot_.Wait(seconds); }
@@ -111,6 +113,7 @@ class ToolMotion {
   RobotPort& robot_;
   MotionConfig config_;
   std::string note_;
+  double opening_m_ = 0;
   Eigen::Matrix3d R_WT_ = Eigen::Matrix3d::Identity();
 };
 

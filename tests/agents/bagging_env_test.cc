@@ -304,6 +304,37 @@ TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointToTheTarget) {
   EXPECT_NEAR(std::abs(closing.dot(env_.before().rim->along_W)), 1, 1e-9);
 }
 
+// Where the fingers closed, and the way that they then went, for so much cloth between them.
+TEST_F(BaggingEnvTest, ScratchMovesAsideAlongTheRimFromMoreClothThanOneLayers) {
+  const ScratchDragConfig& config = config_.scratch_drag;
+  for (const int action : {2 * 9 + 7, 6 * 9 + 6}) {
+    std::vector<Eigen::Vector2d> drags;
+    for (const double cloth_m : {config.stack_m - 1e-6, config.stack_m + 1e-6}) {
+      rig_.cloth_between_fingers_m = cloth_m;
+      (void)Act(1, action, 2);
+      std::vector<Eigen::Vector2d> closed;
+      for (const Move& move : rig_.moves) {
+        if (move.kind == Move::kFingers && move.value == 0) {
+          closed.push_back(move.X_WT.translation().head<2>());
+        }
+      }
+      const auto moved = static_cast<std::size_t>(cloth_m > config.stack_m ? config.asides : 0);
+      ASSERT_EQ(closed.size(), 1 + moved);
+      EXPECT_NEAR((closed[0] - env_.before().grasp_points[action / 9].p_W.head<2>()).norm(), 0,
+                  1e-12);
+      drags.push_back(Path().back().head<2>() - closed.back());
+      for (std::size_t k = 0; k < moved; ++k) {
+        const Eigen::Vector2d step = closed[k + 1] - closed[k];
+        EXPECT_NEAR(std::abs(step.dot(env_.before().rim->along_W.head<2>())), config.aside_m,
+                    1e-12);
+        EXPECT_NEAR(step.norm(), config.aside_m, 1e-12);
+        EXPECT_GE(step.dot(drags[0]), 0) << "the way that the drag goes";
+      }
+    }
+    EXPECT_NEAR((drags[0] - drags[1]).norm(), 0, 1e-12) << "dragged as far and in that direction";
+  }
+}
+
 TEST_F(BaggingEnvTest, PickPlaceTakesTheCubeWhereItIsSeenToThePlacePoint) {
   (void)Act(2, 5, 3);
   const std::vector<Eigen::Vector3d> path = Path();
@@ -340,6 +371,7 @@ TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
 TEST_F(BaggingEnvTest, PickPlaceWidensASlitAndLeavesTheCubeWhereItIs) {
   config_.pick_place.room_m2 = 0.1;  // any opening is too small ...
   config_.pick_place.folded_m = 1;   // ... and a slit
+  config_.scratch_drag.asides = 0;   // what the fingers close on in s2 is as thick as the cube
   BaggingEnv env(rig_, rig_, rig_, rig_, config_);
   (void)env.Begin("2", 5);
   EXPECT_EQ(env.Act(5).log["note"], "slit widened instead");

@@ -28,7 +28,8 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   MoveEnd refusal = MoveEnd::kUnreachable;
   bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
   double nothing_beyond_m = 1e9;     ///< ... unless they are so far from the table's middle.
-  double contact_height_m = -1;      ///< Guarded moves stop here, if they reach that far down.
+  double cloth_between_fingers_m = 0.005;
+  double contact_height_m = -1;  ///< Guarded moves stop here, if they reach that far down.
   Truth truth;
   std::vector<Move> moves;
   std::uint64_t sensor_seed = 0;
@@ -80,7 +81,8 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     time_s_ += 0.5;
     const bool between =
         cube_between_fingers && X_WT_.translation().head<2>().norm() <= nothing_beyond_m;
-    return opening_m == 0 && between ? 0.035 : opening_m;
+    if (opening_m != 0 || !between) return opening_m;
+    return state == 2 ? 0.035 : cloth_between_fingers_m;
   }
   void Wait(double seconds) override { time_s_ += seconds; }
   RobotReading Read() override { return {{}, {}, X_WT_, 0, 0}; }
