@@ -4,11 +4,11 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "agents/environment.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "base/random.h"
 
 namespace gusset {
@@ -53,8 +53,12 @@ class TableWorld final : public Environment {
     outcome.log = {{"point", action}, {"note", ""}};
     return outcome;
   }
-  void WriteFrames(const std::filesystem::path& prefix) const override {
-    std::ofstream(prefix.string() + ".txt") << state_;
+  FrameWriter Frames() const override {
+    return [](const std::filesystem::path& prefix, const nlohmann::ordered_json& about) {
+      nlohmann::ordered_json document = about;
+      document["before"] = document["after"] = nlohmann::ordered_json::object();
+      WriteFileAtomic(prefix.string() + ".json", document.dump());
+    };
   }
 
  private:

@@ -3,6 +3,8 @@
 #include <iostream>
 
 #include "agents/evaluator.h"
+#include "agents/report/contact_sheet.h"
+#include "base/error.h"
 #include "base/files.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
@@ -28,12 +30,20 @@ class EvaluateCommand final : public Command {
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
     app.add_option("--out", out_, "Write the JSON document to this file too")->type_name("FILE");
+    app.add_option("--dump", dump_,
+                   "Of which episodes frames are kept: all, failures, none; beside --out, in FILE "
+                   "less its suffix + _frames")
+        ->check(CLI::IsMember(DumpChoices()))
+        ->capture_default_str();
     app.add_flag("--json", json_, "Print one JSON document");
     common_.AddTo(app);
   }
 
   void Run() override {
     common_.StartLog();
+    if (dump_ != "none" && out_.empty()) {
+      throw InputError("--dump " + dump_ + " needs --out, beside which the frames are kept");
+    }
     const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
     const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
@@ -41,8 +51,13 @@ class EvaluateCommand final : public Command {
     WatchForStop();
     const auto start = std::chrono::steady_clock::now();
     Workers workers(jobs_, settings.EnvironmentFactory());
-    const EvaluationConfig config{.start = start_.kind(), .episodes = episodes_, .seed = seed_};
-    const EvaluationResult result = Evaluate(workers, *agent, config, StopRequested);
+    EvaluationConfig config{.start = start_.kind(), .episodes = episodes_, .seed = seed_};
+    config.dump = dump_;
+    config.frames = std::filesystem::path(out_).replace_extension().concat("_frames");
+    if (dump_ != "none") MakeFolder(config.frames);
+    const auto evaluate = [&] { return Evaluate(workers, *agent, config, StopRequested); };
+    const EvaluationResult result =
+        dump_ == "none" ? evaluate() : WithContactSheet(config.frames, evaluate);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
 
     const nlohmann::ordered_json document = Document(settings, result, wall.count());
@@ -98,6 +113,7 @@ class EvaluateCommand final : public Command {
   std::string policy_;
   std::optional<std::string> bag_;
   std::string out_;
+  std::string dump_ = "none";
   int episodes_ = 50;
   std::uint64_t seed_ = 7;
   int jobs_ = 1;

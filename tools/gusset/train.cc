@@ -7,6 +7,7 @@
 #include "agents/image_file.h"
 #include "agents/plots.h"
 #include "agents/replay.h"
+#include "agents/report/contact_sheet.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "tools/gusset/command.h"
@@ -93,7 +94,10 @@ class TrainCommand final : public Command {
       const nlohmann::ordered_json about = {{"bag", settings.train.bag},
                                             {"protocol", settings.train.protocol},
                                             {"seed", settings.train.seed}};
-      summary = Train(workers, *agent, settings.train, folder, about, StopRequested);
+      const auto train = [&] {
+        return Train(workers, *agent, settings.train, folder, about, StopRequested);
+      };
+      summary = settings.train.dump == "none" ? train() : WithContactSheet(folder.frames(), train);
     }
     DrawRewardMaps(folder, settings);
     std::cout << "trained on " << summary.actions << " actions (" << summary.extra_actions
