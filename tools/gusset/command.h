@@ -23,6 +23,7 @@ std::unique_ptr<Command> MakePlayCommand();
 std::unique_ptr<Command> MakeRenderCommand();
 std::unique_ptr<Command> MakeClassifyCommand();
 std::unique_ptr<Command> MakeBenchCommand();
+std::unique_ptr<Command> MakeReportCommand();
 std::unique_ptr<Command> MakeSelfCheckCommand();
 
 }  // namespace gusset
