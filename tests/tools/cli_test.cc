@@ -61,7 +61,7 @@ class Cli : public testing::Test {
 
 TEST_F(Cli, HelpEverywhereSucceeds) {
   for (const char* command :
-       {"", "train", "evaluate", "play", "render", "classify", "bench", "self-check"}) {
+       {"", "train", "evaluate", "play", "render", "classify", "bench", "report", "self-check"}) {
     const Result result = Gusset(std::string(command) + " --help");
     EXPECT_EQ(result.code, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("--help"));
@@ -80,6 +80,9 @@ TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
   ExpectRefused("evaluate --policy random --start crumpled", "crumpled");
   ExpectRefused("evaluate --policy random --log-level loud", "loud");
   ExpectRefused("play --out X", "--policy");
+  ExpectRefused("evaluate --policy random --dump all", "--dump all needs --out");
+  ExpectRefused("evaluate --policy random --dump some --out X", "some");
+  ExpectRefused("report --out X", "folders");
   ExpectRefused("bench --only no_such", "no_such");
 }
 
@@ -227,6 +230,11 @@ TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
   ExpectRefused("play --run " + dir_.string() + " --step 0 --out " + (dir_ / "x").string(),
                 "steps.jsonl");
   ExpectRefused("evaluate --policy " + dir_.string(), "policy.json");
+  const std::string page = " --out " + (dir_ / "r.html").string();
+  ExpectRefused("report " + dir_.string() + page, "holds neither a run");
+  ExpectRefused("report /nowhere" + page, "/nowhere: is not a folder");
+  Write("results.csv", "table\n");
+  ExpectRefused("report " + dir_.string() + page, "results.csv:1: column row is missing");
   ExpectRefused("evaluate --policy " + Write("p.json", "{").string(), "p.json");
 }
 
