@@ -1,5 +1,7 @@
 #include "agents/report/report.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "agents/plots.h"
@@ -52,6 +54,16 @@ ordered_json MapsJson(const RunData& run) {
         {{"seed", run.train.seed}, {"state", s}, {"src", PictureUri(file, kPicture_px)}});
   }
   return maps;
+}
+
+// The same run twice is no second seed; it may be one of another build, though.
+void WarnOfDoubles(const RunGroup& group) {
+  for (std::size_t i = 1; i < group.runs.size(); ++i) {
+    if (group.runs[i]->train.seed != group.runs[i - 1]->train.seed) continue;
+    spdlog::warn("{} and {} have one config and seed {}; they count as two seeds",
+                 group.runs[i - 1]->folder.string(), group.runs[i]->folder.string(),
+                 group.runs[i]->train.seed);
+  }
 }
 
 ordered_json GroupJson(const RunGroup& group) {
@@ -184,7 +196,10 @@ ordered_json CollectReport(const std::vector<fs::path>& folders) {
   }
   ordered_json report = {
       {"groups", ordered_json::array()}, {"tables", tables}, {"films", ordered_json::array()}};
-  for (const RunGroup& group : GroupRuns(runs)) report["groups"].push_back(GroupJson(group));
+  for (const RunGroup& group : GroupRuns(runs)) {
+    WarnOfDoubles(group);
+    report["groups"].push_back(GroupJson(group));
+  }
   for (const Film& film : OneOfEachKind(std::move(films))) {
     report["films"].push_back(FilmJson(film));
   }

@@ -25,13 +25,14 @@ function written(x, unit) {
   return unit === 'rate' ? String(Math.round(100 * x)) : x.toFixed(DIGITS[unit] ?? 3);
 }
 
-function estimate(e, unit, whose, extra = '') {
+function estimate(e, unit, whose, count = '') {
   const suffix = unit === 'rate' ? ' %' : '';
   const between = e.low === null || e.high === null
       ? '' : ` (${written(e.low, unit)} to ${written(e.high, unit)})`;
   const node = element('div', {class: whose},
-      `${whose === 'thesis' ? 'thesis ' : ''}${written(e.value, unit)}${suffix}${between}${extra}`);
+      `${whose === 'thesis' ? 'thesis ' : ''}${written(e.value, unit)}${suffix}${between}`);
   if (unit === 'rate') node.append(bar(e));
+  if (count) node.append(element('div', {class: 'dim'}, count));
   return node;
 }
 
@@ -53,7 +54,7 @@ function rate(r) {
   if (r.n === 0) return element('td', {}, '–');
   return element('td', {class: 'number'},
       estimate({value: r.successes / r.n, low: r.low, high: r.high}, 'rate', 'ours',
-          `, ${r.successes} of ${r.n}`));
+          `${r.successes} of ${r.n}`));
 }
 
 // ---- charts
@@ -71,7 +72,7 @@ function chart(parent, title, datasets, axes) {
       interaction: {mode: 'nearest', axis: 'x', intersect: false},
       plugins: {legend: {display: false}},
       scales: {
-        x: {type: 'linear', title: {display: true, text: axes.x}},
+        x: {type: 'linear', title: {display: true, text: axes.x}, ticks: {precision: 0}},
         y: {title: {display: true, text: axes.y}},
       },
     },
@@ -124,6 +125,7 @@ function drawCurves(groups) {
       return banded(g.label, colour(i),
           mean.map((m, k) => ({x: k + 1, mean: m, low: low[k], high: high[k]})));
     });
+    if (datasets.every(d => d.data.length === 0)) continue;  // not trained yet
     chart(charts, stateName(state), datasets, {x: 'step in the state', y: 'reward'});
   }
 }
@@ -169,7 +171,7 @@ const TITLES = {
 function resultCell(cell) {
   if (!cell) return element('td', {});
   const td = element('td', {class: 'number', title: [...cell.seeds, cell.command].join('\n')});
-  const count = cell.n === undefined ? '' : `, ${cell.successes} of ${cell.n}`;
+  const count = cell.n === undefined ? '' : `${cell.successes} of ${cell.n}`;
   td.append(cell.ours ? estimate(cell.ours, cell.unit, 'ours', count)
       : element('div', {class: 'dim'}, cell.seeds.length ? `${cell.seeds.length} seeds so far` : '–'));
   if (cell.published) td.append(estimate(cell.published, cell.unit, 'thesis'));
