@@ -95,6 +95,9 @@ std::vector<Film> ReadDump(const fs::path& folder) {
                                : "in training: " + Named(action.state) + ", " + action.outcome +
                                      (action.disagree ? ", seen wrongly" : "");
   }
+  // What `play --run` filmed.
+  if (films.size() == 1 && fs::exists(folder / "action.mp4"))
+    films[0].video = folder / "action.mp4";
   return films;
 }
 
