@@ -250,10 +250,10 @@ TEST_F(TrainerTest, FramesAreKeptOnlyForWhatWasAskedFor) {
     return std::distance(std::filesystem::directory_iterator(folder.frames()), {});
   };
   const RunFolder all = NewFolder("all");
-  ASSERT_EQ(Run(all, {.steps = 5, .dump = "all"}, 2), "");
+  ASSERT_EQ(Run(all, {.steps = 5, .pool_min = 4, .dump = "all"}, 2), "");
   EXPECT_EQ(frames(all), summary_.actions);
   const RunFolder failures = NewFolder("failures");
-  ASSERT_EQ(Run(failures, {.steps = 5, .dump = "failures"}, 3), "");
+  ASSERT_EQ(Run(failures, {.steps = 5, .pool_min = 4, .dump = "failures"}, 3), "");
   EXPECT_EQ(StepsWithoutClocks(failures), StepsWithoutClocks(all)) << "looking on changes nothing";
   // Failed: no later state followed, as seen, or the camera was wrong about what did.
   int failed = 0;
@@ -269,22 +269,22 @@ TEST_F(TrainerTest, FramesAreKeptOnlyForWhatWasAskedFor) {
   EXPECT_LT(failed, summary_.actions);
   EXPECT_EQ(frames(failures), failed);
   const RunFolder none = NewFolder("none");
-  ASSERT_EQ(Run(none, {.steps = 5}, 2), "");
+  ASSERT_EQ(Run(none, {.steps = 5, .pool_min = 4}, 2), "");
   EXPECT_EQ(frames(none), 0);
 }
 
 TEST_F(TrainerTest, FramesThatCannotBeWrittenStopTheRunBetweenActionsAndItGoesOn) {
   const RunFolder unbroken = NewFolder("unbroken");
-  ASSERT_EQ(Run(unbroken, {.steps = 5}), "");
+  ASSERT_EQ(Run(unbroken, {.steps = 5, .pool_min = 4}), "");
   const RunFolder folder = NewFolder("run");
   // A folder where the fourth action's file should go.
   std::filesystem::create_directory(folder.frames() / "step3.json");
-  const std::string error = Run(folder, {.steps = 5, .dump = "all"}, 2);
+  const std::string error = Run(folder, {.steps = 5, .pool_min = 4, .dump = "all"}, 2);
   EXPECT_THAT(error, testing::HasSubstr("step3.json: cannot replace"));
   EXPECT_EQ(Steps(folder).size(), 3u) << "what was done before is kept";
   EXPECT_FALSE(std::filesystem::exists(folder.root() / "failed_step.json"));
   std::filesystem::remove(folder.frames() / "step3.json");
-  ASSERT_EQ(Run(folder, {.steps = 5, .dump = "all"}, 2), "");
+  ASSERT_EQ(Run(folder, {.steps = 5, .pool_min = 4, .dump = "all"}, 2), "");
   EXPECT_EQ(StepsWithoutClocks(folder), StepsWithoutClocks(unbroken));
 }
 
