@@ -23,6 +23,9 @@ class EvaluateCommand final : public Command {
     app.add_option("--episodes", episodes_, "How many")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
+    app.add_option("--repeats", repeats_, "Actions in one state before an episode is given up")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     app.add_option("--seed", seed_, "Seed of starts and noise")->capture_default_str();
     app.add_option("--jobs", jobs_, "Worlds that run at once; the result does not depend on it")
         ->check(CLI::Range(1, 64))
@@ -41,7 +44,8 @@ class EvaluateCommand final : public Command {
     WatchForStop();
     const auto start = std::chrono::steady_clock::now();
     Workers workers(jobs_, settings.EnvironmentFactory());
-    const EvaluationConfig config{.start = start_.kind(), .episodes = episodes_, .seed = seed_};
+    const EvaluationConfig config{
+        .start = start_.kind(), .episodes = episodes_, .seed = seed_, .max_repeats = repeats_};
     const EvaluationResult result = Evaluate(workers, *agent, config, StopRequested);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
 
@@ -66,6 +70,7 @@ class EvaluateCommand final : public Command {
             {"start", start_.start},
             {"pose", start_.pose},
             {"episodes", episodes_},
+            {"repeats", repeats_},
             {"true_successes", result.true_successes},
             {"perceived_successes", result.perceived_successes},
             {"success_rate", static_cast<double>(result.true_successes) / episodes_},
@@ -76,7 +81,7 @@ class EvaluateCommand final : public Command {
             {"seconds_wall", seconds_wall},
             {"seconds_sim", result.seconds_sim},
             {"seed", seed_},
-            {"versions", Versions()}};
+            {"versions", Versions(settings)}};
   }
 
   void PrintTable(const EvaluationResult& result) const {
@@ -99,6 +104,7 @@ class EvaluateCommand final : public Command {
   std::optional<std::string> bag_;
   std::string out_;
   int episodes_ = 50;
+  int repeats_ = EvaluationConfig().max_repeats;
   std::uint64_t seed_ = 7;
   int jobs_ = 1;
   bool json_ = false;
