@@ -31,7 +31,8 @@ struct Column {
   std::string name;
   std::string unit;
   std::function<std::optional<Sample>(int seed)> sample;
-  bool per_seed = true;  // lines for single seeds are written too
+  std::function<bool(int seed)> failed;  // there will be no sample
+  bool per_seed = true;                  // lines for single seeds are written too
 };
 
 std::string VersionsText(const nlohmann::json& versions) {
@@ -139,53 +140,71 @@ class Rows {
 
   Column OfTraining(const RowPlan& row, const std::string& name, const std::string& unit,
                     const std::function<double(const TrainingResult&)>& measure) {
-    return {name, unit, [this, row, measure](int seed) -> std::optional<Sample> {
-              const auto it = finished_.trainings.find({row.training, seed});
-              if (it == finished_.trainings.end()) return std::nullopt;
-              const TrainingResult& training = it->second;
-              return Sample{
-                  measure(training),
-                  0,
-                  0,
-                  training.wall_s,
-                  training.sim_s,
-                  VersionsText(training.versions),
-                  TrainCommandLine(plan_.training(row.training), seed, context_.more_arguments)};
-            }};
+    Column column{name, unit, {}, {}};
+    column.sample = [this, row, measure](int seed) -> std::optional<Sample> {
+      const auto it = finished_.trainings.find({row.training, seed});
+      if (it == finished_.trainings.end()) return std::nullopt;
+      const TrainingResult& training = it->second;
+      return Sample{measure(training),
+                    0,
+                    0,
+                    training.wall_s,
+                    training.sim_s,
+                    VersionsText(training.versions),
+                    TrainCommandLine(plan_.training(row.training), seed, context_.more_arguments)};
+    };
+    column.failed = [this, row](int seed) { return TrainingFailed(row, seed); };
+    return column;
   }
 
   Column OfTrial(const RowPlan& row, const std::string& name, TrialKind kind, std::size_t entry) {
-    return {name, "rate", [this, row, kind, entry](int seed) -> std::optional<Sample> {
-              const auto it = finished_.trials.find({row.cell, kind, seed});
-              if (it == finished_.trials.end()) return std::nullopt;
-              const TrialRecord& record = it->second;
-              const TrialPlan trial{plan_.cell(row.cell), kind, seed, options_.episodes};
-              return Sample{
-                  0,
-                  record.n[entry],
-                  record.successes[entry],
-                  record.wall_s,
-                  record.sim_s,
-                  VersionsText(record.versions),
-                  kind == TrialKind::kAttempts
-                      ? ExperimentCommandLine(row, options_, seed, 1, context_.more_arguments)
-                      : EvaluateCommandLine(plan_.training(row.training), trial, context_.out,
-                                            context_.more_arguments)};
-            }};
+    Column column{name, "rate", {}, {}};
+    column.sample = [this, row, kind, entry](int seed) -> std::optional<Sample> {
+      const auto it = finished_.trials.find({row.cell, kind, seed});
+      if (it == finished_.trials.end()) return std::nullopt;
+      const TrialRecord& record = it->second;
+      return Sample{0,
+                    record.n[entry],
+                    record.successes[entry],
+                    record.wall_s,
+                    record.sim_s,
+                    VersionsText(record.versions),
+                    TrialCommandLine(row, kind, seed)};
+    };
+    column.failed = [this, row, kind](int seed) {
+      return TrainingFailed(row, seed) || finished_.failed_trials.contains({row.cell, kind, seed});
+    };
+    return column;
+  }
+
+  bool TrainingFailed(const RowPlan& row, int seed) const {
+    return finished_.failed_trainings.contains({row.training, seed});
+  }
+
+  std::string TrialCommandLine(const RowPlan& row, TrialKind kind, int seed) const {
+    if (kind == TrialKind::kAttempts) {
+      return ExperimentCommandLine(row, options_, seed, 1, context_.more_arguments);
+    }
+    return EvaluateCommandLine(plan_.training(row.training),
+                               {plan_.cell(row.cell), kind, seed, options_.episodes}, context_.out,
+                               context_.more_arguments);
   }
 
   // ---- lines
 
   void Add(const RowPlan& row, const Column& column) {
     std::vector<Sample> samples;
+    int failed = 0;
     for (int i = 0; i < options_.seeds; ++i) {
       const int seed = options_.first_seed + i;
       const std::optional<Sample> sample = column.sample(seed);
+      failed += column.failed(seed);
       if (!sample) continue;
       samples.push_back(*sample);
       if (column.per_seed) Line(row, column, std::to_string(seed), {*sample}, sample->command);
     }
-    if (static_cast<int>(samples.size()) < options_.seeds) return;
+    const int settled = static_cast<int>(samples.size()) + failed;
+    if (samples.empty() || settled < options_.seeds) return;
     Line(row, column, "pooled", samples,
          ExperimentCommandLine(row, options_, options_.first_seed, options_.seeds,
                                context_.more_arguments));

@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -28,10 +29,12 @@ struct ResultRow {
   std::string versions;
 };
 
-/// All that is finished of an experiment.
+/// All that is finished of an experiment, and what turned out not to be finishable.
 struct Finished {
   std::map<std::pair<std::string, int>, TrainingResult> trainings;        ///< By name and seed.
   std::map<std::tuple<std::string, TrialKind, int>, TrialRecord> trials;  ///< By cell.
+  std::set<std::pair<std::string, int>> failed_trainings;
+  std::set<std::tuple<std::string, TrialKind, int>> failed_trials;
 };
 
 /// What commands in the result set refer to.
@@ -41,7 +44,8 @@ struct ResultContext {
 };
 
 /// The result set, in the order of the plan: per row and column one line for each seed that is
-/// finished, and a pooled one once all are. The same whatever was finished first.
+/// finished, and a pooled one once all are, but for those that cannot be. The same whatever was
+/// finished first.
 std::vector<ResultRow> MakeResultRows(const ExperimentPlan& plan, const ExperimentOptions& options,
                                       const Finished& finished, const Published& published,
                                       const ResultContext& context);

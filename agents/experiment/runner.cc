@@ -168,8 +168,8 @@ class Runner {
       } else {
         unit->cell == nullptr ? Keep(*unit, std::move(training)) : Keep(*unit, std::move(trial));
         events_.push_back(unit->Name() + Ending(*unit));
-        Guarded([&] { WriteResults(); });
       }
+      Guarded([&] { WriteResults(); });
       changed_.notify_all();
     }
     ++idle_;
@@ -231,6 +231,11 @@ class Runner {
     try {
       std::rethrow_exception(error);
     } catch (const RunError& e) {
+      if (unit.cell == nullptr) {
+        finished_.failed_trainings.insert({unit.training->name, unit.seed});
+      } else {
+        finished_.failed_trials.insert({unit.cell->name, unit.kind, unit.seed});
+      }
       failed_.push_back(unit.Name() + ": " + e.what());
       events_.push_back("FAILED " + failed_.back());
     } catch (...) {
