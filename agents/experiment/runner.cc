@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 constexpr double kActionsPerFolded = 5;  // of one episode
 constexpr double kActionsPerUnfolded = 4;
 constexpr double kActionsPerAttempt = 5.5;  // at all four steps, with those that fill pools
-constexpr double kPool = 20;                // bags that training fills each pool with
+constexpr double kPool = 20;                // bags that training fills each of three pools with ...
+constexpr double kPerMissing = 5;           // ... in so many actions for each that is missing
 
 struct Unit {
   enum State { kWaiting, kRunning, kFinished, kFailed } state = kWaiting;
@@ -43,7 +44,7 @@ struct Unit {
 };
 
 double Expected(const TrainingPlan& plan) {
-  return 4.0 * plan.steps + 3 * std::max(0.0, kPool - plan.steps);
+  return 4.0 * plan.steps + 3 * kPerMissing * std::max(0.0, kPool - plan.steps);
 }
 
 double Expected(TrialKind kind, const ExperimentOptions& options) {

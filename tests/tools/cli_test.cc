@@ -231,6 +231,7 @@ TEST_F(Cli, AnExperimentThatCannotBeIsRefusedBeforeAnyWork) {
   ExpectRefused("experiment thesis --jobs 0" + out, "--jobs");
   ExpectRefused("experiment thesis --agents pi10 --set pi.epsilon_min=2" + out,
                 "pi.epsilon_min = 2 is not within [0, 1]");
+  ExpectRefused("experiment thesis --set train.steps=5" + out, "the grid sets this");
   ExpectRefused("experiment thesis --resume" + out, "holds no experiment");
   EXPECT_FALSE(fs::exists(dir_ / "e"));
   fs::create_directory(dir_ / "e");

@@ -56,6 +56,7 @@ class ExperimentCommand final : public Command {
 
   void Run() override {
     common_.StartLog();
+    RefuseWhatTheGridSets();
     const ExperimentPlan plan = ThesisPlan(options_);
     if (list_) return List(plan);
     const Published published = Published::Load(AssetsFolder() / "published" / "thesis.toml");
@@ -91,6 +92,18 @@ class ExperimentCommand final : public Command {
   }
 
  private:
+  // Values that would be overridden without a word.
+  void RefuseWhatTheGridSets() const {
+    for (const std::string& assignment : common_.assignments) {
+      const std::string key = assignment.substr(0, assignment.find('='));
+      for (const char* own : {"train.agent", "train.bag", "train.steps", "train.seed"}) {
+        if (key != own) continue;
+        throw InputError("--set " + assignment +
+                         ": the grid sets this; see --agents, --steps, --seed and --only");
+      }
+    }
+  }
+
   void CheckFolder() const {
     const bool there = std::filesystem::exists(std::filesystem::path(out_) / "results.csv");
     if (there && !resume_) {
