@@ -57,7 +57,8 @@ std::string ExperimentCommandLine(const RowPlan& row, const ExperimentOptions& o
     line += option("episodes", options.episodes) + option("attempts", options.attempts);
   }
   if (options.max_steps > 0) line += option("steps", options.max_steps);
-  return line + more + " --out " + kRepeatFolder;
+  line += more + " --out " + kRepeatFolder + "/" + row.table + "-" + row.training;
+  return seeds == 1 ? line + "-seed" + std::to_string(first_seed) : line;
 }
 
 }  // namespace gusset

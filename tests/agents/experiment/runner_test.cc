@@ -227,7 +227,7 @@ TEST_F(ExperimentTest, PooledLinesSumUpTheSeedsAndStandBesideThePublishedOnes) {
               HasSubstr("gusset train --agent pi --bag bag1 --steps 10 --seed 2 --out "));
   EXPECT_THAT(rows.at("5.6 pi10 step4 pooled").at("command"),
               HasSubstr("--only 5.6 --agents pi10 --seed 1 --seeds 2 --episodes 4 --attempts 5 "
-                        "--steps 12"));
+                        "--steps 12 --out out/again/5.6-pi10"));
 }
 
 TEST_F(ExperimentTest, ThePooledCommandRepeatsItsRow) {
