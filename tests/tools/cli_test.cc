@@ -60,8 +60,8 @@ class Cli : public testing::Test {
 };
 
 TEST_F(Cli, HelpEverywhereSucceeds) {
-  for (const char* command :
-       {"", "train", "evaluate", "play", "render", "classify", "bench", "report", "self-check"}) {
+  for (const char* command : {"", "train", "evaluate", "play", "experiment", "experiment thesis",
+                              "render", "classify", "bench", "report", "self-check"}) {
     const Result result = Gusset(std::string(command) + " --help");
     EXPECT_EQ(result.code, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("--help"));
@@ -224,6 +224,31 @@ TEST_F(Cli, BenchSaysThatThisBuildHasNone) {
   EXPECT_THAT(result.err, HasSubstr("GUSSET_BUILD_BENCH"));
 }
 #endif
+
+TEST_F(Cli, AnExperimentThatCannotBeIsRefusedBeforeAnyWork) {
+  const std::string out = " --out " + (dir_ / "e").string();
+  ExpectRefused("experiment", "subcommand");
+  ExpectRefused("experiment thesis --only 5.3" + out, "there are: 5.4, 5.5, 5.6");
+  ExpectRefused("experiment thesis --agents pi20" + out, "there is no pi20");
+  ExpectRefused("experiment thesis --seeds 0" + out, "--seeds = 0 is not within [1, ");
+  ExpectRefused("experiment thesis --jobs 0" + out, "--jobs");
+  ExpectRefused("experiment thesis --agents pi10 --set pi.epsilon_min=2" + out,
+                "pi.epsilon_min = 2 is not within [0, 1]");
+  ExpectRefused("experiment thesis --set train.steps=5" + out, "the grid sets this");
+  ExpectRefused("experiment thesis --resume" + out, "holds no experiment");
+  EXPECT_FALSE(fs::exists(dir_ / "e"));
+  fs::create_directory(dir_ / "e");
+  Write("e/results.csv", "");
+  ExpectRefused("experiment thesis" + out, "holds an experiment already");
+}
+
+TEST_F(Cli, AnExperimentCanBeListedWithoutBeingDone) {
+  const Result result = Gusset("experiment thesis --full --list");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, HasSubstr("pi100-any_pose"));
+  EXPECT_THAT(result.out, HasSubstr("train.affordances=false"));
+}
 
 TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
   ExpectRefused("train --resume --out " + dir_.string(), "config.toml");

@@ -30,6 +30,7 @@ int RunCommandLine(int argc, char** argv) {
     commands.push_back(MakeTrainCommand());
     commands.push_back(MakeEvaluateCommand());
     commands.push_back(MakePlayCommand());
+    commands.push_back(MakeExperimentCommand());
     commands.push_back(MakeRenderCommand());
     commands.push_back(MakeClassifyCommand());
     commands.push_back(MakeBenchCommand());

@@ -20,6 +20,7 @@ class Command {
 std::unique_ptr<Command> MakeTrainCommand();
 std::unique_ptr<Command> MakeEvaluateCommand();
 std::unique_ptr<Command> MakePlayCommand();
+std::unique_ptr<Command> MakeExperimentCommand();
 std::unique_ptr<Command> MakeRenderCommand();
 std::unique_ptr<Command> MakeClassifyCommand();
 std::unique_ptr<Command> MakeBenchCommand();

@@ -25,6 +25,9 @@ class EvaluateCommand final : public Command {
     app.add_option("--episodes", episodes_, "How many")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
+    app.add_option("--repeats", repeats_, "Actions in one state before an episode is given up")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     app.add_option("--seed", seed_, "Seed of starts and noise")->capture_default_str();
     app.add_option("--jobs", jobs_, "Worlds that run at once; the result does not depend on it")
         ->check(CLI::Range(1, 64))
@@ -51,7 +54,8 @@ class EvaluateCommand final : public Command {
     WatchForStop();
     const auto start = std::chrono::steady_clock::now();
     Workers workers(jobs_, settings.EnvironmentFactory());
-    EvaluationConfig config{.start = start_.kind(), .episodes = episodes_, .seed = seed_};
+    EvaluationConfig config{
+        .start = start_.kind(), .episodes = episodes_, .seed = seed_, .max_repeats = repeats_};
     config.dump = dump_;
     config.frames = std::filesystem::path(out_).replace_extension().concat("_frames");
     if (dump_ != "none") MakeFolder(config.frames);
@@ -81,6 +85,7 @@ class EvaluateCommand final : public Command {
             {"start", start_.start},
             {"pose", start_.pose},
             {"episodes", episodes_},
+            {"repeats", repeats_},
             {"true_successes", result.true_successes},
             {"perceived_successes", result.perceived_successes},
             {"success_rate", static_cast<double>(result.true_successes) / episodes_},
@@ -91,7 +96,7 @@ class EvaluateCommand final : public Command {
             {"seconds_wall", seconds_wall},
             {"seconds_sim", result.seconds_sim},
             {"seed", seed_},
-            {"versions", Versions()}};
+            {"versions", Versions(settings)}};
   }
 
   void PrintTable(const EvaluationResult& result) const {
@@ -115,6 +120,7 @@ class EvaluateCommand final : public Command {
   std::string out_;
   std::string dump_ = "none";
   int episodes_ = 50;
+  int repeats_ = EvaluationConfig().max_repeats;
   std::uint64_t seed_ = 7;
   int jobs_ = 1;
   bool json_ = false;
