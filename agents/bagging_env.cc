@@ -2,10 +2,10 @@
 
 #include <cstdio>
 
-#include "agents/image_file.h"
+#include "agents/look_files.h"
 #include "agents/rewards.h"
 #include "base/error.h"
-#include "perception/overlay.h"
+#include "base/files.h"
 
 namespace gusset {
 namespace {
@@ -159,10 +159,11 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
 Outcome BaggingEnv::Idle(int pair, const ActionChoice& choice) {
   after_ = before_;
   frame_after_ = frame_before_;
+  truth_before_ = truth_after_ = referee_.Judge();
   Outcome outcome;
   outcome.next = PerceptOf(after_);
   outcome.reward = Reward(before_, after_, thresholds_, {});
-  outcome.truth = referee_.Judge();
+  outcome.truth = truth_after_;
   outcome.after = world_before_;
   outcome.log = {{"pair", pair},
                  {"point", choice.point},
@@ -188,6 +189,7 @@ Outcome BaggingEnv::Act(int action) {
   const PosePoint& chosen = ChosenPoint(before_, choice.point);
   const double start_s = scene_.time_s();
 
+  truth_before_ = referee_.Judge();
   robot_.Forget();
   const PrimitiveReport report = Perform(choice.point, choice.parameter);
   frame_after_ = camera_.Look();
@@ -200,7 +202,7 @@ Outcome BaggingEnv::Act(int action) {
   outcome.done = after_.state == State::kSuccess || after_.state == State::kFail;
   const bool carried = before_.state == State::kFilled;
   outcome.success = carried && after_.state == State::kSuccess;
-  outcome.truth = referee_.Judge();
+  outcome.truth = truth_after_ = referee_.Judge();
   outcome.true_success = carried && outcome.truth.held_clear_s >= kHeldClear_s;
   outcome.after = scene_.Save();
   outcome.sim_s = scene_.time_s() - start_s;
@@ -220,14 +222,17 @@ Outcome BaggingEnv::Act(int action) {
   return outcome;
 }
 
-void BaggingEnv::WriteFrames(const std::filesystem::path& prefix) const {
-  const auto write = [&](const char* when, const RgbdFrame& frame, const Observation& seen) {
-    if (frame.color.empty()) return;
-    WriteImage(prefix.string() + when + ".png", frame.color);
-    WriteImage(prefix.string() + when + "_overlay.png", DrawOverlay(frame, seen));
+FrameWriter BaggingEnv::Frames() const {
+  const Look before{frame_before_, before_, truth_before_};
+  const Look after{frame_after_, after_, truth_after_};
+  return [before, after, camera = camera_.model(), config = config_.perception](
+             const std::filesystem::path& prefix, const nlohmann::ordered_json& about) {
+    nlohmann::ordered_json document = about;
+    document["before"] = WriteLook(prefix.string() + "_before", before, camera, config);
+    document["after"] = WriteLook(prefix.string() + "_after", after, camera, config);
+    // Last: what a JSON file tells of is there.
+    WriteFileAtomic(prefix.string() + ".json", document.dump(2) + "\n");
   };
-  write("_before", frame_before_, before_);
-  write("_after", frame_after_, after_);
 }
 
 }  // namespace gusset

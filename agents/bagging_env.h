@@ -70,8 +70,9 @@ class BaggingEnv final : public Environment {
   Snapshot Start(StartKind kind, std::uint64_t seed) override;
   Percept Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) override;
   Outcome Act(int action) override;
-  /// prefix + {_before,_after}{,_overlay}.png.
-  void WriteFrames(const std::filesystem::path& prefix) const override;
+  /// PREFIX_before and PREFIX_after, each as .png, _depth.png (16 bit, mm), _overlay.png and
+  /// _masks.png, and last PREFIX.json with what perception made of both looks and the truth.
+  FrameWriter Frames() const override;
 
   const RgbdFrame& frame_before() const { return frame_before_; }
   const Observation& before() const { return before_; }
@@ -92,6 +93,7 @@ class BaggingEnv final : public Environment {
   Snapshot world_before_;
   RgbdFrame frame_before_, frame_after_;
   Observation before_, after_;
+  Truth truth_before_, truth_after_;
 };
 
 }  // namespace gusset

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -30,6 +31,18 @@ struct Outcome {
   nlohmann::ordered_json log;  ///< What else the log should hold.
 };
 
+/// True if an action of `state` brought a later state of the task or, from the last one, success:
+/// as the camera saw it.
+inline bool Advanced(int state, const Outcome& outcome) {
+  return outcome.success || (!outcome.done && outcome.next.state > state);
+}
+
+/// Writes what the camera saw before and after one action, to files whose names begin with
+/// `prefix`. `about` is what else is known of the action; it goes into PREFIX.json.
+/// @throws InputError or RunError if they cannot be written, in one line.
+using FrameWriter =
+    std::function<void(const std::filesystem::path& prefix, const nlohmann::ordered_json& about)>;
+
 /// An episodic task with discrete actions whose world can be saved and restored. An action's
 /// outcome depends on (snapshot, sensor seed, action) alone, so actions can be run again, anywhere,
 /// in any order: resuming, replaying and running several at once all rest on that.
@@ -44,9 +57,8 @@ class Environment {
   virtual Percept Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) = 0;
   /// Performs `action` in the world of the last Begin. Once per Begin.
   virtual Outcome Act(int action) = 0;
-  /// Writes what the camera saw before and after the last action to files that begin with `prefix`.
-  /// @throws RunError if they cannot be written.
-  virtual void WriteFrames(const std::filesystem::path& prefix) const = 0;
+  /// The frames of the last action. They can be written later, from any thread.
+  virtual FrameWriter Frames() const = 0;
 };
 
 }  // namespace gusset

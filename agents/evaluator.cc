@@ -15,6 +15,25 @@ namespace {
 // Room for the seeds of one episode's actions.
 constexpr std::uint64_t kSeedsPerEpisode = 1024;
 
+// What is known of an episode's last action, with the keys of steps.jsonl.
+nlohmann::ordered_json About(const Episode& episode, int index, int state, int action,
+                             const Outcome& outcome) {
+  nlohmann::ordered_json about = {{"episode", index},
+                                  {"step", episode.steps.size() - 1},
+                                  {"state", state},
+                                  {"action", action},
+                                  {"reward", outcome.reward},
+                                  {"next_state", outcome.next.state},
+                                  {"next_state_true", outcome.truth.state},
+                                  {"done", outcome.done},
+                                  {"success", outcome.success},
+                                  {"success_true", outcome.true_success}};
+  about.update(outcome.log);
+  about["start_seed"] = episode.start_seed;
+  about["sensor_seed"] = episode.steps.back().sensor_seed;
+  return about;
+}
+
 }  // namespace
 
 std::array<double, 2> WilsonInterval(int successes, int trials) {
@@ -28,7 +47,7 @@ std::array<double, 2> WilsonInterval(int successes, int trials) {
 }
 
 Episode RunEpisode(Environment& environment, const Agent& agent, const EvaluationConfig& config,
-                   int index, const std::function<void(int step)>& on_step) {
+                   int index, EpisodeFrames* frames) {
   const auto episode_index = static_cast<std::uint64_t>(index);
   Episode episode;
   episode.start_seed = DeriveSeed(config.seed, "evaluation start", episode_index);
@@ -49,13 +68,16 @@ Episode RunEpisode(Environment& environment, const Agent& agent, const Evaluatio
     const Decision decision =
         agent.Act(percept.state, percept.features, n_actions[state], Mode::kGreedy, rng);
     Outcome outcome = environment.Act(decision.action);
-    const bool advanced = outcome.success || (!outcome.done && outcome.next.state > percept.state);
+    const bool advanced = Advanced(percept.state, outcome);
     episode.steps.push_back({percept.state, decision.action, outcome.next.state,
                              outcome.truth.state, advanced, sensor_seed});
     episode.sim_s += outcome.sim_s;
     episode.perceived_success = outcome.success;
     episode.true_success = outcome.true_success;
-    if (on_step) on_step(i);
+    if (frames) {
+      frames->Add([&] { return environment.Frames(); },
+                  About(episode, index, percept.state, decision.action, outcome));
+    }
     if (outcome.done) break;
     snapshot = std::move(outcome.after);
   }
@@ -98,7 +120,9 @@ EvaluationResult Evaluate(Workers& workers, const Agent& agent, const Evaluation
     tasks.push_back([&, i](Environment& environment) {
       if (stop()) throw RunError("interrupted after " + std::to_string(done) + " episodes");
       Episode& episode = episodes[static_cast<std::size_t>(i)];
-      episode = RunEpisode(environment, agent, config, i);
+      EpisodeFrames frames(config.dump, config.frames / fmt::format("episode{:03}_action", i));
+      episode = RunEpisode(environment, agent, config, i, &frames);
+      frames.Finish(episode.true_success);
       spdlog::info("episode {} of {}: {} actions, {}", ++done, config.episodes,
                    episode.steps.size(), episode.true_success ? "success" : "failure");
     });

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "agents/agent.h"
+#include "agents/frame_dump.h"
 #include "agents/workers.h"
 
 namespace gusset {
@@ -16,8 +18,10 @@ struct EvaluationConfig {
   StartKind start = StartKind::kFolded;
   int episodes = 50;
   std::uint64_t seed = 7;
-  int max_repeats = 5;   ///< Actions in one state before the episode is given up.
-  int max_actions = 20;  ///< Of an episode.
+  int max_repeats = 5;                ///< Actions in one state before the episode is given up.
+  int max_actions = 20;               ///< Of an episode.
+  std::string dump = "none";          ///< Of which episodes frames are kept (agents/frame_dump.h).
+  std::filesystem::path frames = {};  ///< A folder that exists, for them.
 };
 
 /// One episode.
@@ -61,11 +65,13 @@ struct EvaluationResult {
 };
 
 /// Runs one episode. Depends on (policy, config, index) only.
-/// @param on_step if set, called after each action, on the worker's thread.
+/// @param frames if set, is given every action's; finishing it is left to the caller.
 Episode RunEpisode(Environment& environment, const Agent& agent, const EvaluationConfig& config,
-                   int index, const std::function<void(int step)>& on_step = {});
+                   int index, EpisodeFrames* frames = nullptr);
 
-/// Runs all episodes, greedily. @throws RunError if `stop` becomes true.
+/// Runs all episodes, greedily, and writes frames episodeNNN_actionMM of those that the config asks
+/// for. @throws RunError if `stop` becomes true, InputError or RunError if frames cannot be
+/// written.
 EvaluationResult Evaluate(Workers& workers, const Agent& agent, const EvaluationConfig& config,
                           const std::function<bool()>& stop);
 

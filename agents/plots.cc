@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "agents/affordances.h"
 #include "agents/json_fields.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -40,18 +41,6 @@ std::string Number(double x) {
   return text;
 }
 
-std::vector<double> RunningMean(const std::vector<double>& values, int window) {
-  std::vector<double> means;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::size_t from =
-        i + 1 > static_cast<std::size_t>(window) ? i + 1 - static_cast<std::size_t>(window) : 0;
-    double sum = 0;
-    for (std::size_t j = from; j <= i; ++j) sum += values[j];
-    means.push_back(sum / static_cast<double>(i + 1 - from));
-  }
-  return means;
-}
-
 // Blue to red through white.
 cv::Scalar Heat(double t) {
   const double cold = std::clamp(2 - 2 * t, 0.0, 1.0);
@@ -69,15 +58,32 @@ std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file) {
     ++number;
     try {
       const nlohmann::json json = nlohmann::json::parse(line);
-      const auto state = JsonField<int>(json, "state");
-      steps.push_back({state, JsonField<int>(json, "point"), JsonField<double>(json, "reward"),
-                       JsonField<std::string>(json, "kind") == "train",
-                       json.value("pair", state) == state});
+      const auto state = JsonField<int>(json, "state", 0, kActingStates - 1);
+      LoggedStep step{state, JsonField<int>(json, "point"), JsonField<double>(json, "reward"),
+                      JsonField<std::string>(json, "kind") == "train",
+                      json.value("pair", state) == state};
+      step.advanced =
+          JsonField<bool>(json, "success") ||
+          (!JsonField<bool>(json, "done") && JsonField<int>(json, "next_state") > state);
+      step.sim_s = JsonField<double>(json, "sim_s");
+      steps.push_back(step);
     } catch (const std::exception& e) {
       throw InputError(file.string() + ":" + std::to_string(number) + ": " + e.what());
     }
   }
   return steps;
+}
+
+std::vector<double> RunningMean(const std::vector<double>& values, int window) {
+  std::vector<double> means;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t from =
+        i + 1 > static_cast<std::size_t>(window) ? i + 1 - static_cast<std::size_t>(window) : 0;
+    double sum = 0;
+    for (std::size_t j = from; j <= i; ++j) sum += values[j];
+    means.push_back(sum / static_cast<double>(i + 1 - from));
+  }
+  return means;
 }
 
 std::vector<double> MeanRewards(const std::vector<LoggedStep>& steps, int state, int points) {

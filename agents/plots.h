@@ -13,12 +13,17 @@ struct LoggedStep {
   int state = 0;
   int point = 0;
   double reward = 0;
-  bool learnt = false;  ///< Not an extra action.
-  bool fits = true;     ///< The pair is the state's own, so `point` is one of the state's.
+  bool learnt = false;    ///< Not an extra action.
+  bool fits = true;       ///< The pair is the state's own, so `point` is one of the state's.
+  bool advanced = false;  ///< A later state followed, or success, as the camera saw it.
+  double sim_s = 0;       ///< Simulated time that the action took.
 };
 
 /// Reads steps.jsonl. @throws InputError naming file and line.
 std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file);
+
+/// Mean of each value and those before it, `window` at most.
+std::vector<double> RunningMean(const std::vector<double>& values, int window);
 
 /// Mean reward of each pose point over all its learnt steps in `state`; NaN for a point not tried.
 std::vector<double> MeanRewards(const std::vector<LoggedStep>& steps, int state, int points);

@@ -48,6 +48,7 @@ struct Trial {
   Mode mode = Mode::kExplore;
   Decision decision;
   Outcome outcome;
+  FrameWriter frames;        // only if they are to be kept
   double wall_s = 0;         // from the snapshot on: world, looks, physics
   bool looked = false;       // percept is known
   std::exception_ptr error;  // why there is no outcome
@@ -219,9 +220,8 @@ class Trainer {
         tried.erase(it);
         continue;
       }
-      // Frames are written as a step is tried, so with them nothing is tried ahead.
       // Twice as many as workers, since some take ten times as long as others.
-      const int ahead = config_.dump == "none" && workers_.jobs() > 1 ? 2 * workers_.jobs() : 1;
+      const int ahead = workers_.jobs() > 1 ? 2 * workers_.jobs() : 1;
       std::vector<Workers::Task> tasks;
       for (int i = 0; static_cast<int>(tasks.size()) < ahead && i < 2 * ahead; ++i) {
         const std::optional<Plan> later = next(i);
@@ -367,10 +367,9 @@ class Trainer {
     trial.decision = Decide(trial);
     trial.outcome = environment.Act(trial.decision.action);
     trial.wall_s = Seconds(Clock::now() - start);
-    const bool progressed = trial.outcome.success ||
-                            (!trial.outcome.done && trial.outcome.next.state > trial.percept.state);
-    if (config_.dump == "all" || (config_.dump == "failures" && !progressed)) {
-      environment.WriteFrames(folder_.frames() / ("step" + std::to_string(progress_.actions)));
+    if (config_.dump == "all" ||
+        (config_.dump == "failures" && ActionFailed(trial.percept.state, trial.outcome))) {
+      trial.frames = environment.Frames();
     }
   }
 
@@ -378,6 +377,12 @@ class Trainer {
     const int state = trial.percept.state;
     const Outcome& outcome = trial.outcome;
     const int state_step = plan.extra ? progress_.extra : progress_.learnt[At(state)];
+    const nlohmann::ordered_json line = LogLine(plan, trial, state_step);
+    // First: if there is no room for them, nothing of this action has happened yet, and --resume
+    // does it again.
+    if (trial.frames) {
+      trial.frames(folder_.frames() / ("step" + std::to_string(progress_.actions)), line);
+    }
     if (!plan.extra) {
       const int last = progress_.last_learnt;
       const bool follows = last >= 0 && trial.from.value("step", -1) == last;
@@ -386,7 +391,8 @@ class Trainer {
                     follows});
       progress_.last_learnt = progress_.actions;
     }
-    Log(plan, trial, state_step);
+    steps_->Append(line.dump());
+    LogProgress(trial, state_step);
     Keep(plan, outcome);
     if (plan.extra) {
       ++progress_.extra;
@@ -412,7 +418,7 @@ class Trainer {
     }
   }
 
-  void Log(const Plan& plan, const Trial& trial, int state_step) {
+  nlohmann::ordered_json LogLine(const Plan& plan, const Trial& trial, int state_step) const {
     const Outcome& outcome = trial.outcome;
     nlohmann::ordered_json line = {{"step", progress_.actions},
                                    {"kind", plan.extra ? "extra" : "train"},
@@ -432,8 +438,11 @@ class Trainer {
     line["sensor_seed"] = trial.sensor_seed;
     line["sim_s"] = outcome.sim_s;
     line["wall_s"] = trial.wall_s;
-    steps_->Append(line.dump());
+    return line;
+  }
 
+  void LogProgress(const Trial& trial, int state_step) {
+    const Outcome& outcome = trial.outcome;
     std::vector<double>& recent = progress_.recent;
     recent.push_back(outcome.reward);
     if (recent.size() > 20) recent.erase(recent.begin());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "agents/agent.h"
+#include "agents/frame_dump.h"
 #include "agents/run_folder.h"
 #include "agents/workers.h"
 #include "base/config.h"
@@ -30,7 +31,7 @@ struct TrainConfig {
   int pool_min = 20;             ///< Bags a state's pool must hold before the state is trained.
   int max_extra_actions = 1000;  ///< In the whole run; a run that needs more is given up.
   int max_actions = 20;          ///< Of one episode of protocol "chain".
-  std::string dump = "none";     ///< Whose frames are kept: all, failures (no progress) or none.
+  std::string dump = "none";     ///< Whose frames are kept (agents/frame_dump.h).
 
   template <class V>
   void Fields(V& v) {
@@ -43,7 +44,7 @@ struct TrainConfig {
     v("pool_min", pool_min, Range{1, 10000});
     v("max_extra_actions", max_extra_actions, Range{0, 1000000});
     v("max_actions", max_actions, Range{1, 1000});
-    v("dump", dump, std::vector<std::string>{"all", "failures", "none"});
+    v("dump", dump, DumpChoices());
   }
 };
 

@@ -85,6 +85,13 @@ bool FromBase64(const std::string& text, unsigned char* bytes, std::size_t size)
   return true;
 }
 
+// Agents are asked from several threads, and several may learn at once. Not every BLAS stands that:
+// Debian's serial OpenBLAS 0.3.21 gave wrong products in one run of six with three threads.
+std::mutex& OneAtATime() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
 Mlp::Mlp(MlpKind kind, int inputs, int outputs, double head_gain, Rng& rng, at::ScalarType type)
@@ -101,10 +108,7 @@ Mlp::Mlp(MlpKind kind, int inputs, int outputs, double head_gain, Rng& rng, at::
 }
 
 at::Tensor Mlp::Forward(const at::Tensor& x) const {
-  // Agents are asked from several threads, and not every BLAS stands that: Debian's serial OpenBLAS
-  // 0.3.21 gave wrong products in one run of six with three threads.
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
+  const std::lock_guard lock(OneAtATime());
   at::Tensor y = x;
   for (std::size_t i = 0; i < parameters_.size(); i += 2) {
     y = at::linear(y, parameters_[i], parameters_[i + 1]);
@@ -121,7 +125,10 @@ Mlp Mlp::Clone() const {
 
 std::vector<at::Tensor> Gradients(const at::Tensor& loss, const std::vector<at::Tensor>& in) {
   for (const at::Tensor& p : in) p.mutable_grad().reset();
-  loss.backward();
+  {
+    const std::lock_guard lock(OneAtATime());
+    loss.backward();
+  }
   std::vector<at::Tensor> gradients;
   for (const at::Tensor& p : in) {
     gradients.push_back(p.grad().defined() ? p.grad().clone() : at::zeros_like(p.detach()));

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/imgcodecs.hpp>
+
+#include "agents/run_folder.h"
 #include "base/error.h"
 #include "tests/agents/fake_rig.h"
 #include "tests/agents/table_world.h"
@@ -522,11 +525,31 @@ TEST_F(BaggingEnvTest, StartsAndRestoresThroughTheScene) {
 
 TEST_F(BaggingEnvTest, FramesAreWrittenBeforeAndAfter) {
   (void)Act(0, 0, 1);
-  env_.WriteFrames(dir_ / "step0");
-  for (const char* name : {"_before", "_before_overlay", "_after", "_after_overlay"}) {
-    EXPECT_TRUE(std::filesystem::exists(dir_ / ("step0" + std::string(name) + ".png"))) << name;
+  rig_.truth.bag_area_px2 = 123;
+  const FrameWriter frames = env_.Frames();
+  (void)Act(1, 0, 2);  // the frames do not change any more
+  frames(dir_ / "step0", {{"reward", 0.5}});
+  const nlohmann::json about = ReadJson(dir_ / "step0.json");
+  EXPECT_EQ(about["reward"], 0.5);
+  for (const auto& [when, state] : {std::pair("before", 0), {"after", 1}}) {
+    const std::string stem = (dir_ / "step0_").string() + when;
+    const cv::Mat depth = cv::imread(stem + "_depth.png", cv::IMREAD_UNCHANGED);
+    EXPECT_EQ(depth.type(), CV_16UC1);
+    EXPECT_FALSE(cv::imread(stem + "_overlay.png").empty());
+    EXPECT_EQ(about[when]["state"], state);
+    EXPECT_GT(about[when]["A_bag"], 1000);
+    // The masks show where perception saw cloth (blue) and labels (green): all of the bag's area,
+    // but for what opening and closing the mask changes at its edge.
+    const cv::Mat masks = cv::imread(stem + "_masks.png");
+    ASSERT_EQ(masks.size(), cv::imread(stem + ".png").size());
+    cv::Mat cloth;
+    cv::inRange(masks, cv::Scalar(0, 0, 0), cv::Scalar(255, 255, 0), cloth);
+    cv::Mat black;
+    cv::inRange(masks, cv::Scalar(0, 0, 0), cv::Scalar(0, 0, 0), black);
+    const double area = cv::countNonZero(cloth) - cv::countNonZero(black);
+    EXPECT_NEAR(area, about[when]["A_bag"].get<double>(), 0.05 * area) << when;
   }
-  EXPECT_THROW(env_.WriteFrames(dir_ / "no" / "folder"), InputError);
+  EXPECT_THROW(frames(dir_ / "no" / "folder", {}), InputError);
 }
 
 TEST(BaggingConfig, WhatIsWrittenReadsBack) {

@@ -4,6 +4,7 @@
 
 #include "agents/pi_learning.h"
 #include "agents/random_agent.h"
+#include "agents/report/dumped_action.h"
 #include "tests/agents/table_world.h"
 
 namespace gusset {
@@ -58,6 +59,31 @@ TEST(Evaluator, TheExpertBeatsTheRandomPolicy) {
   EXPECT_LT(expert.true_successes, expert.perceived_successes);
   EXPECT_LT(random.perceived_successes, 200 * 0.4);
   EXPECT_EQ(expert.disagreements, expert.perceived_successes - expert.true_successes);
+}
+
+TEST(Evaluator, FramesAreKeptOfEveryActionOfAFailedEpisodeAndOfNoOther) {
+  std::string pattern = (std::filesystem::temp_directory_path() / "gusset_ev_XXXXXX").string();
+  ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+  const std::filesystem::path dir = pattern;
+  EvaluationConfig config{.episodes = 20};
+  config.dump = "failures";
+  config.frames = dir;
+  const EvaluationResult result = EvaluationOf(Expert(), config, 2);
+  ASSERT_GT(result.true_successes, 0);
+  ASSERT_LT(result.true_successes, 20);
+  std::size_t expected = 0;
+  for (const Episode& episode : result.episodes) {
+    if (!episode.true_success) expected += episode.steps.size();
+  }
+  const std::vector<DumpedAction> actions = ReadDumpedActions(dir);
+  EXPECT_EQ(actions.size(), expected);
+  for (const DumpedAction& action : actions) {
+    EXPECT_EQ(action.episode_success, false);
+    const Episode& episode = result.episodes.at(static_cast<std::size_t>(*action.episode));
+    EXPECT_FALSE(episode.true_success);
+    EXPECT_EQ(episode.steps.at(static_cast<std::size_t>(action.step)).action, action.action);
+  }
+  std::filesystem::remove_all(dir);
 }
 
 TEST(Evaluator, TalliesAddUp) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -249,15 +250,42 @@ TEST_F(TrainerTest, FramesAreKeptOnlyForWhatWasAskedFor) {
     return std::distance(std::filesystem::directory_iterator(folder.frames()), {});
   };
   const RunFolder all = NewFolder("all");
-  ASSERT_EQ(Run(all, {.steps = 5, .dump = "all"}, 2), "");
+  ASSERT_EQ(Run(all, {.steps = 5, .pool_min = 4, .dump = "all"}, 2), "");
   EXPECT_EQ(frames(all), summary_.actions);
   const RunFolder failures = NewFolder("failures");
-  ASSERT_EQ(Run(failures, {.steps = 5, .dump = "failures"}, 2), "");
-  EXPECT_GT(frames(failures), 0);
-  EXPECT_LT(frames(failures), summary_.actions);
+  ASSERT_EQ(Run(failures, {.steps = 5, .pool_min = 4, .dump = "failures"}, 3), "");
+  EXPECT_EQ(StepsWithoutClocks(failures), StepsWithoutClocks(all)) << "looking on changes nothing";
+  // Failed: no later state followed, as seen, or the camera was wrong about what did.
+  int failed = 0;
+  for (const json& step : Steps(failures)) {
+    const bool advanced = step["next_state"] > step["state"] && step["next_state"] != 5;
+    const bool wrong =
+        step["next_state"] != step["next_state_true"] || step["success"] != step["success_true"];
+    const std::string name = "step" + step["step"].dump() + ".json";
+    EXPECT_EQ(std::filesystem::exists(failures.frames() / name), !advanced || wrong) << step;
+    failed += !advanced || wrong;
+  }
+  EXPECT_GT(failed, 0);
+  EXPECT_LT(failed, summary_.actions);
+  EXPECT_EQ(frames(failures), failed);
   const RunFolder none = NewFolder("none");
-  ASSERT_EQ(Run(none, {.steps = 5}, 2), "");
+  ASSERT_EQ(Run(none, {.steps = 5, .pool_min = 4}, 2), "");
   EXPECT_EQ(frames(none), 0);
+}
+
+TEST_F(TrainerTest, FramesThatCannotBeWrittenStopTheRunBetweenActionsAndItGoesOn) {
+  const RunFolder unbroken = NewFolder("unbroken");
+  ASSERT_EQ(Run(unbroken, {.steps = 5, .pool_min = 4}), "");
+  const RunFolder folder = NewFolder("run");
+  // A folder where the fourth action's file should go.
+  std::filesystem::create_directory(folder.frames() / "step3.json");
+  const std::string error = Run(folder, {.steps = 5, .pool_min = 4, .dump = "all"}, 2);
+  EXPECT_THAT(error, testing::HasSubstr("step3.json: cannot replace"));
+  EXPECT_EQ(Steps(folder).size(), 3u) << "what was done before is kept";
+  EXPECT_FALSE(std::filesystem::exists(folder.root() / "failed_step.json"));
+  std::filesystem::remove(folder.frames() / "step3.json");
+  ASSERT_EQ(Run(folder, {.steps = 5, .pool_min = 4, .dump = "all"}, 2), "");
+  EXPECT_EQ(StepsWithoutClocks(folder), StepsWithoutClocks(unbroken));
 }
 
 TEST_F(TrainerTest, AFolderThatHoldsARunIsNotOverwritten) {

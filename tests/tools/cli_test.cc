@@ -60,8 +60,8 @@ class Cli : public testing::Test {
 };
 
 TEST_F(Cli, HelpEverywhereSucceeds) {
-  for (const char* command :
-       {"", "train", "evaluate", "play", "render", "classify", "bench", "self-check"}) {
+  for (const char* command : {"", "train", "evaluate", "play", "experiment", "experiment thesis",
+                              "render", "classify", "bench", "report", "self-check"}) {
     const Result result = Gusset(std::string(command) + " --help");
     EXPECT_EQ(result.code, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("--help"));
@@ -80,6 +80,9 @@ TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
   ExpectRefused("evaluate --policy random --start crumpled", "crumpled");
   ExpectRefused("evaluate --policy random --log-level loud", "loud");
   ExpectRefused("play --out X", "--policy");
+  ExpectRefused("evaluate --policy random --dump all", "--dump all needs --out");
+  ExpectRefused("evaluate --policy random --dump some --out X", "some");
+  ExpectRefused("report --out X", "folders");
   ExpectRefused("bench --only no_such", "no_such");
 }
 
@@ -222,11 +225,41 @@ TEST_F(Cli, BenchSaysThatThisBuildHasNone) {
 }
 #endif
 
+TEST_F(Cli, AnExperimentThatCannotBeIsRefusedBeforeAnyWork) {
+  const std::string out = " --out " + (dir_ / "e").string();
+  ExpectRefused("experiment", "subcommand");
+  ExpectRefused("experiment thesis --only 5.3" + out, "there are: 5.4, 5.5, 5.6");
+  ExpectRefused("experiment thesis --agents pi20" + out, "there is no pi20");
+  ExpectRefused("experiment thesis --seeds 0" + out, "--seeds = 0 is not within [1, ");
+  ExpectRefused("experiment thesis --jobs 0" + out, "--jobs");
+  ExpectRefused("experiment thesis --agents pi10 --set pi.epsilon_min=2" + out,
+                "pi.epsilon_min = 2 is not within [0, 1]");
+  ExpectRefused("experiment thesis --set train.steps=5" + out, "the grid sets this");
+  ExpectRefused("experiment thesis --resume" + out, "holds no experiment");
+  EXPECT_FALSE(fs::exists(dir_ / "e"));
+  fs::create_directory(dir_ / "e");
+  Write("e/results.csv", "");
+  ExpectRefused("experiment thesis" + out, "holds an experiment already");
+}
+
+TEST_F(Cli, AnExperimentCanBeListedWithoutBeingDone) {
+  const Result result = Gusset("experiment thesis --full --list");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, HasSubstr("pi100-any_pose"));
+  EXPECT_THAT(result.out, HasSubstr("train.affordances=false"));
+}
+
 TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
   ExpectRefused("train --resume --out " + dir_.string(), "config.toml");
   ExpectRefused("play --run " + dir_.string() + " --step 0 --out " + (dir_ / "x").string(),
                 "steps.jsonl");
   ExpectRefused("evaluate --policy " + dir_.string(), "policy.json");
+  const std::string page = " --out " + (dir_ / "r.html").string();
+  ExpectRefused("report " + dir_.string() + page, "holds neither a run");
+  ExpectRefused("report /nowhere" + page, "/nowhere: is not a folder");
+  Write("results.csv", "table\n");
+  ExpectRefused("report " + dir_.string() + page, "results.csv:1: column row is missing");
   ExpectRefused("evaluate --policy " + Write("p.json", "{").string(), "p.json");
 }
 

@@ -30,9 +30,11 @@ int RunCommandLine(int argc, char** argv) {
     commands.push_back(MakeTrainCommand());
     commands.push_back(MakeEvaluateCommand());
     commands.push_back(MakePlayCommand());
+    commands.push_back(MakeExperimentCommand());
     commands.push_back(MakeRenderCommand());
     commands.push_back(MakeClassifyCommand());
     commands.push_back(MakeBenchCommand());
+    commands.push_back(MakeReportCommand());
     commands.push_back(MakeSelfCheckCommand());
     for (const auto& command : commands) {
       command->Declare(*app.add_subcommand(command->name(), command->summary()));

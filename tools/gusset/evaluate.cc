@@ -3,6 +3,8 @@
 #include <iostream>
 
 #include "agents/evaluator.h"
+#include "agents/report/contact_sheet.h"
+#include "base/error.h"
 #include "base/files.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
@@ -23,17 +25,28 @@ class EvaluateCommand final : public Command {
     app.add_option("--episodes", episodes_, "How many")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
+    app.add_option("--repeats", repeats_, "Actions in one state before an episode is given up")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     app.add_option("--seed", seed_, "Seed of starts and noise")->capture_default_str();
     app.add_option("--jobs", jobs_, "Worlds that run at once; the result does not depend on it")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
     app.add_option("--out", out_, "Write the JSON document to this file too")->type_name("FILE");
+    app.add_option("--dump", dump_,
+                   "Of which episodes frames are kept: all, failures, none; beside --out, in FILE "
+                   "less its suffix + _frames")
+        ->check(CLI::IsMember(DumpChoices()))
+        ->capture_default_str();
     app.add_flag("--json", json_, "Print one JSON document");
     common_.AddTo(app);
   }
 
   void Run() override {
     common_.StartLog();
+    if (dump_ != "none" && out_.empty()) {
+      throw InputError("--dump " + dump_ + " needs --out, beside which the frames are kept");
+    }
     const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
     const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
@@ -41,8 +54,14 @@ class EvaluateCommand final : public Command {
     WatchForStop();
     const auto start = std::chrono::steady_clock::now();
     Workers workers(jobs_, settings.EnvironmentFactory());
-    const EvaluationConfig config{.start = start_.kind(), .episodes = episodes_, .seed = seed_};
-    const EvaluationResult result = Evaluate(workers, *agent, config, StopRequested);
+    EvaluationConfig config{
+        .start = start_.kind(), .episodes = episodes_, .seed = seed_, .max_repeats = repeats_};
+    config.dump = dump_;
+    config.frames = std::filesystem::path(out_).replace_extension().concat("_frames");
+    if (dump_ != "none") MakeFolder(config.frames);
+    const auto evaluate = [&] { return Evaluate(workers, *agent, config, StopRequested); };
+    const EvaluationResult result =
+        dump_ == "none" ? evaluate() : WithContactSheet(config.frames, evaluate);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
 
     const nlohmann::ordered_json document = Document(settings, result, wall.count());
@@ -66,6 +85,7 @@ class EvaluateCommand final : public Command {
             {"start", start_.start},
             {"pose", start_.pose},
             {"episodes", episodes_},
+            {"repeats", repeats_},
             {"true_successes", result.true_successes},
             {"perceived_successes", result.perceived_successes},
             {"success_rate", static_cast<double>(result.true_successes) / episodes_},
@@ -76,7 +96,7 @@ class EvaluateCommand final : public Command {
             {"seconds_wall", seconds_wall},
             {"seconds_sim", result.seconds_sim},
             {"seed", seed_},
-            {"versions", Versions()}};
+            {"versions", Versions(settings)}};
   }
 
   void PrintTable(const EvaluationResult& result) const {
@@ -98,7 +118,9 @@ class EvaluateCommand final : public Command {
   std::string policy_;
   std::optional<std::string> bag_;
   std::string out_;
+  std::string dump_ = "none";
   int episodes_ = 50;
+  int repeats_ = EvaluationConfig().max_repeats;
   std::uint64_t seed_ = 7;
   int jobs_ = 1;
   bool json_ = false;

@@ -3,9 +3,9 @@
 
 #include "agents/affordances.h"
 #include "agents/evaluator.h"
-#include "agents/image_file.h"
 #include "agents/json_fields.h"
 #include "agents/replay.h"
+#include "agents/report/contact_sheet.h"
 #include "agents/run_folder.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -65,6 +65,9 @@ class PlayCommand final : public Command {
     start_.AddTo(app);
     app.add_option("--seed", seed_, "Seed of the episode")->capture_default_str();
     app.add_option("--out", out_, "Folder for the pictures")->required()->type_name("DIR");
+    app.add_option("--dump", dump_, "Whose frames are kept, beside the video: all, failures, none")
+        ->check(CLI::IsMember(DumpChoices()))
+        ->capture_default_str();
     common_.AddTo(app);
   }
 
@@ -77,30 +80,22 @@ class PlayCommand final : public Command {
     Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
     MakeFolder(out_);
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
+    environment.ShowFromTheSide();
     run_.empty() ? PlayEpisode(settings, environment) : RepeatStep(settings, environment);
+    if (dump_ != "none") WriteContactSheet(out_);
   }
 
  private:
-  std::filesystem::path Prefix(int step) const {
-    char name[32];
-    std::snprintf(name, sizeof name, "action%02d", step);
-    return std::filesystem::path(out_) / name;
-  }
-
-  void WriteViews(TestbedEnv& environment, int step) const {
-    environment.WriteFrames(Prefix(step));
-    WriteImage(Prefix(step).string() + "_oblique.png", environment.testbed().ObliqueLook().color);
-  }
-
   void PlayEpisode(const Settings& settings, TestbedEnv& environment) const {
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
     Episode episode;
+    EpisodeFrames frames(dump_, std::filesystem::path(out_) / "action");
     {
       EpisodeVideo video(std::filesystem::path(out_) / "episode.mp4", environment);
       episode = RunEpisode(environment, Announced(*agent, settings.bagging, video),
-                           {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0,
-                           [&](int step) { WriteViews(environment, step); });
+                           {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0, &frames);
     }
+    frames.Finish(episode.true_success);
     nlohmann::ordered_json steps = nlohmann::ordered_json::array();
     for (const Episode::Step& step : episode.steps) {
       steps.push_back({{"state", step.state},
@@ -138,7 +133,15 @@ class PlayCommand final : public Command {
     EpisodeVideo video(std::filesystem::path(out_) / "action.mp4", environment);
     video.Say(caption);
     const Outcome outcome = environment.Act(action);
-    WriteViews(environment, step_);
+    if (dump_ == "all" || (dump_ == "failures" && ActionFailed(percept.state, outcome))) {
+      char name[32];
+      std::snprintf(name, sizeof name, "action%02d", step_);
+      nlohmann::ordered_json about = line;
+      about["reward"] = outcome.reward;
+      about["next_state"] = outcome.next.state;
+      about["next_state_true"] = outcome.truth.state;
+      environment.Frames()(std::filesystem::path(out_) / name, about);
+    }
     std::cout << caption << " -> s" << outcome.next.state << ", reward " << outcome.reward
               << " (logged: " << line.value("reward", 0.0) << "): " << out_ << std::endl;
   }
@@ -152,6 +155,7 @@ class PlayCommand final : public Command {
   std::optional<std::string> bag_;
   std::uint64_t seed_ = 3;
   std::string out_;
+  std::string dump_ = "all";
 };
 
 }  // namespace

@@ -47,6 +47,18 @@ void ReadSections(Settings& settings) {
   settings.bagging.affordances = train.affordances;
 }
 
+// A learner that needs no network; nothing if the settings ask for one.
+std::unique_ptr<Agent> MakeTabularAgent(const Settings& settings) {
+  const std::string& name = settings.train.agent;
+  const std::vector<int> n_actions = ActionsOnOffer(settings.train.affordances);
+  if (name == "pi") return std::make_unique<PiLearning>(settings.pi, n_actions);
+  if (name == "q_learning") return std::make_unique<QLearning>(settings.q_learning, n_actions);
+  if (name == "ucb1") return std::make_unique<Ucb1>(settings.ucb1, n_actions);
+  if (name == "thompson") return std::make_unique<ThompsonSampling>(n_actions);
+  if (name == "random") return std::make_unique<RandomAgent>();
+  return nullptr;
+}
+
 }  // namespace
 
 void CommonOptions::AddTo(CLI::App& command) {
@@ -134,14 +146,10 @@ Workers::Factory Settings::EnvironmentFactory() const {
 }
 
 std::unique_ptr<Agent> MakeAgent(const Settings& settings) {
-  const std::string& name = settings.train.agent;
-  const std::vector<int> n_actions = ActionsOnOffer(settings.train.affordances);
-  if (name == "pi") return std::make_unique<PiLearning>(settings.pi, n_actions);
-  if (name == "q_learning") return std::make_unique<QLearning>(settings.q_learning, n_actions);
-  if (name == "ucb1") return std::make_unique<Ucb1>(settings.ucb1, n_actions);
-  if (name == "thompson") return std::make_unique<ThompsonSampling>(n_actions);
-  if (name == "random") return std::make_unique<RandomAgent>();
-  return LoadDeepAgent(name, settings.deep, n_actions);
+  std::unique_ptr<Agent> agent = MakeTabularAgent(settings);
+  if (agent) return agent;
+  return LoadDeepAgent(settings.train.agent, settings.deep,
+                       ActionsOnOffer(settings.train.affordances));
 }
 
 std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& settings) {
@@ -153,14 +161,19 @@ std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& sett
 
 nlohmann::ordered_json Versions() {
   const int bullet = BT_BULLET_VERSION;
-  nlohmann::ordered_json versions = {
+  return {
       {"gusset", GUSSET_VERSION},
       {"bullet", std::to_string(bullet / 100) + "." + std::to_string(bullet % 100)},
       {"opencv", CV_VERSION},
       {"eigen", std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) +
                     "." + std::to_string(EIGEN_MINOR_VERSION)},
       {"compiler", __VERSION__}};
-  versions.update(LoadedDeepVersions());
+}
+
+nlohmann::ordered_json Versions(const Settings& settings) {
+  nlohmann::ordered_json versions = Versions();
+  // Not whatever happens to be loaded: another agent of this process may have needed it.
+  if (!MakeTabularAgent(settings)) versions.update(LoadedDeepVersions());
   return versions;
 }
 

@@ -76,8 +76,10 @@ std::unique_ptr<Agent> MakeAgent(const Settings& settings);
 /// A learner as evaluate and play use it: from a run folder, a policy file, or "random".
 std::unique_ptr<Agent> LoadAgent(const std::string& policy, const Settings& settings);
 
-/// Versions of this program and of what its results depend on.
+/// Versions of this program and of what its results depend on, networks apart.
 nlohmann::ordered_json Versions();
+/// The same with what networks rest on, if the learner is one and has been made.
+nlohmann::ordered_json Versions(const Settings& settings);
 
 /// Prints the one JSON document of --json. @throws RunError if stdout cannot take it.
 void PrintJson(const nlohmann::ordered_json& document);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "agents/bagging_env.h"
+#include "agents/image_file.h"
 #include "tools/gusset/wiring.h"
 
 namespace gusset {
@@ -22,7 +23,16 @@ class TestbedEnv final : public Environment {
     return env_.Begin(snapshot, sensor_seed);
   }
   Outcome Act(int action) override { return env_.Act(action); }
-  void WriteFrames(const std::filesystem::path& prefix) const override { env_.WriteFrames(prefix); }
+  FrameWriter Frames() const override {
+    if (!from_the_side_) return env_.Frames();
+    return [frames = env_.Frames(), side = testbed_->ObliqueLook().color](
+               const std::filesystem::path& prefix, const nlohmann::ordered_json& about) {
+      WriteImage(prefix.string() + "_oblique.png", side);
+      frames(prefix, about);
+    };
+  }
+  /// From now on Frames holds PREFIX_oblique.png too, the scene from the side.
+  void ShowFromTheSide() { from_the_side_ = true; }
 
   Testbed& testbed() { return *testbed_; }
   BaggingEnv& bagging() { return env_; }
@@ -30,6 +40,7 @@ class TestbedEnv final : public Environment {
  private:
   std::unique_ptr<Testbed> testbed_;
   BaggingEnv env_;
+  bool from_the_side_ = false;
 };
 
 }  // namespace gusset

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gusset {
+
+/// A record of a CSV file (RFC 4180).
+struct CsvRecord {
+  int line = 0;  ///< On which it begins, from 1.
+  std::vector<std::string> fields;
+};
+
+/// @throws InputError "NAME:LINE: ..." for a quote that does not close or stands amid a field.
+std::vector<CsvRecord> ParseCsv(std::string_view text, const std::string& name);
+
+/// A number with its 95 % interval.
+struct Estimate {
+  double value = 0;
+  std::optional<double> low, high;
+};
+
+/// One cell of a table of results.csv.
+struct ResultCell {
+  std::string table, row, column, unit;
+  std::optional<int> n, successes;      ///< Over all seeds, of a rate.
+  std::optional<Estimate> ours;         ///< Pooled over all seeds.
+  std::optional<Estimate> published;    ///< The thesis's.
+  std::vector<std::string> seed_texts;  ///< "seed 1: 0.5", in the file's order.
+  std::string command;                  ///< Repeats it.
+};
+
+/// The cells of an experiment's results.csv in the order of their first line. A cell without a
+/// pooled line (its seeds have not all finished) has no `ours`.
+/// @throws InputError naming file, line, column and bound.
+std::vector<ResultCell> ReadResults(const std::filesystem::path& file);
+
+}  // namespace gusset

@@ -1,0 +1,104 @@
+#include "agents/report/run_data.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "agents/json_fields.h"
+#include "agents/plots.h"
+#include "agents/run_folder.h"
+#include "base/error.h"
+#include "base/files.h"
+
+namespace gusset {
+namespace {
+
+constexpr int kMost = 1000000000;
+
+// Lines of a resolved config, which has one value per line and no comments.
+std::map<std::string, std::string> Flatten(const std::string& toml) {
+  std::map<std::string, std::string> values;
+  std::istringstream lines(toml);
+  std::string section;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('[')) section = line.substr(1, line.find(']') - 1) + ".";
+    const std::size_t equals = line.find(" = ");
+    if (equals != std::string::npos) {
+      values[section + line.substr(0, equals)] = line.substr(equals + 3);
+    }
+  }
+  values.erase("train.seed");
+  values.erase("train.dump");
+  return values;
+}
+
+StateTally ReadTally(const nlohmann::json& json) {
+  StateTally tally;
+  tally.attempts = JsonField<int>(json, "attempts", 0, kMost);
+  tally.successes = JsonField<int>(json, "successes", 0, tally.attempts);
+  return tally;
+}
+
+EvaluationData ReadEvaluation(const std::filesystem::path& file) {
+  const nlohmann::json json = ReadJson(file);
+  try {
+    EvaluationData data;
+    data.file = file.filename().string();
+    data.bag = JsonField<std::string>(json, "bag");
+    data.start = JsonField<std::string>(json, "start");
+    data.pose = JsonField<std::string>(json, "pose");
+    data.episodes = JsonField<int>(json, "episodes", 1, kMost);
+    data.true_successes = JsonField<int>(json, "true_successes", 0, data.episodes);
+    data.perceived_successes = JsonField<int>(json, "perceived_successes", 0, data.episodes);
+    const auto steps = JsonField<nlohmann::json::array_t>(json, "per_step");
+    if (steps.size() != data.per_step.size()) {
+      throw InputError("per_step has " + std::to_string(steps.size()) + " entries, not 4");
+    }
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      try {
+        data.per_step[s] = ReadTally(steps[s]);
+      } catch (const InputError& e) {
+        throw InputError("per_step[" + std::to_string(s) + "]." + e.what());
+      }
+    }
+    return data;
+  } catch (const InputError& e) {
+    throw InputError(file.string() + ": " + e.what());
+  }
+}
+
+}  // namespace
+
+bool IsRunFolder(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / "config.toml") &&
+         std::filesystem::exists(folder / "steps.jsonl");
+}
+
+RunData ReadRun(const std::filesystem::path& folder) {
+  RunData run;
+  run.folder = folder;
+  ConfigTree tree;
+  tree.Load(folder / "config.toml");
+  tree.Read("train", run.train);
+  run.config = Flatten(ReadFile(folder / "config.toml"));
+
+  for (const LoggedStep& step : ReadLoggedSteps(folder / "steps.jsonl")) {
+    ++run.actions;
+    run.sim_s += step.sim_s;
+    if (!step.learnt) continue;
+    const auto s = static_cast<std::size_t>(step.state);
+    run.rewards[s].push_back(step.reward);
+    ++run.training[s].attempts;
+    run.training[s].successes += step.advanced;
+  }
+
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("evaluation") && name.ends_with(".json")) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  for (const std::filesystem::path& file : files) run.evaluations.push_back(ReadEvaluation(file));
+  return run;
+}
+
+}  // namespace gusset

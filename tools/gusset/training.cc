@@ -1,0 +1,97 @@
+#include "tools/gusset/training.h"
+
+#include <unistd.h>
+
+#include <sstream>
+
+#include "agents/affordances.h"
+#include "agents/image_file.h"
+#include "agents/plots.h"
+#include "agents/replay.h"
+#include "agents/report/contact_sheet.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "tools/gusset/testbed_env.h"
+
+namespace gusset {
+namespace {
+
+// @returns the first line of `now` that is not in `then`, for a run that was begun otherwise.
+std::string FirstDifference(const std::string& then, const std::string& now) {
+  std::istringstream old_lines(then);
+  std::istringstream new_lines(now);
+  std::string old_line;
+  std::string new_line;
+  while (std::getline(new_lines, new_line)) {
+    if (!std::getline(old_lines, old_line) || old_line != new_line) return new_line;
+  }
+  return "";
+}
+
+// How the mean reward of each state's pose points looks on a bag in that state.
+void DrawRewardMaps(const RunFolder& folder, const Settings& settings) {
+  const std::vector<LoggedStep> logged = ReadLoggedSteps(folder.steps());
+  WriteImage(folder.root() / "curve.png", DrawLearningCurve(logged, kActingStates));
+
+  ConfigTree tree = settings.tree;
+  TestbedEnv environment(MakeTestbed(tree), settings.bagging);
+  const std::vector<nlohmann::json> steps = ReadRunSteps(folder.root());
+  for (int s = 0; s < kActingStates; ++s) {
+    int step = 0;
+    while (step < static_cast<int>(steps.size()) &&
+           steps[static_cast<std::size_t>(step)].at("state") != s)
+      ++step;
+    if (step == static_cast<int>(steps.size())) continue;
+    const Snapshot world = WorldBefore(environment, steps, step);
+    environment.Begin(world, steps[static_cast<std::size_t>(step)].at("sensor_seed"));
+    WriteImage(
+        folder.root() / ("reward_map_s" + std::to_string(s) + ".png"),
+        DrawRewardMap(environment.bagging().frame_before().color, environment.bagging().before(),
+                      MeanRewards(logged, s, AffordanceOf(s).points)));
+  }
+}
+
+RunFolder CreateRun(const std::filesystem::path& out, const Settings& settings) {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  ConfigTree tree = settings.tree;
+  return RunFolder::Create(out, settings.resolved,
+                           {{"seed", settings.train.seed},
+                            {"versions", Versions(settings)},
+                            {"renderer", MakeTestbed(tree)->renderer()},
+                            {"host", host}});
+}
+
+}  // namespace
+
+RunFolder OpenRun(const std::filesystem::path& out, const Settings& settings) {
+  RunFolder folder = RunFolder::Open(out);
+  const std::string difference = FirstDifference(ReadFile(folder.config()), settings.resolved);
+  if (!difference.empty()) {
+    throw InputError(folder.config().string() + ": the run was begun with another value than " +
+                     difference);
+  }
+  return folder;
+}
+
+TrainSummary TrainInFolder(const std::filesystem::path& out, const Settings& settings, bool resume,
+                           int jobs, const std::function<bool()>& stop,
+                           const EnvironmentWrap& wrap) {
+  // Before the folder, which would hold a run of an agent that this build does not have.
+  const std::unique_ptr<Agent> agent = MakeAgent(settings);
+  const RunFolder folder = resume ? OpenRun(out, settings) : CreateRun(out, settings);
+  TrainSummary summary;
+  {
+    const Workers::Factory bare = settings.EnvironmentFactory();
+    Workers workers(jobs, [&] { return wrap ? wrap(bare()) : bare(); });
+    const nlohmann::ordered_json about = {{"bag", settings.train.bag},
+                                          {"protocol", settings.train.protocol},
+                                          {"seed", settings.train.seed}};
+    const auto train = [&] { return Train(workers, *agent, settings.train, folder, about, stop); };
+    summary = settings.train.dump == "none" ? train() : WithContactSheet(folder.frames(), train);
+  }
+  DrawRewardMaps(folder, settings);
+  return summary;
+}
+
+}  // namespace gusset
