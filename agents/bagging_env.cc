@@ -78,6 +78,11 @@ void CheckThresholds(const ConfigTree& tree, const std::string& section, const B
 
 void BaggingConfig::Read(ConfigTree& tree) {
   VisitSections(*this, Sections{tree});
+  if (scratch_drag.drag_least_m > scratch_drag.drag_most_m) {
+    char text[64];
+    std::snprintf(text, sizeof text, "is above drag_most_m = %g", scratch_drag.drag_most_m);
+    tree.Refuse("primitives.scratch_drag.drag_least_m", scratch_drag.drag_least_m, text);
+  }
   CheckThresholds(tree, "thresholds", thresholds.gusset);
   if (tree.Has("thresholds_published")) {
     published.emplace();

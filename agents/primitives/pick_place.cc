@@ -13,7 +13,7 @@ void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
     tool.Note("slit widened instead");
     const Eigen::Vector3d inward = -mouth.rim_outward_W;
     const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * inward;
-    ScratchDrag(tool, grasp, grasp + config.widen_m * inward, LeftOf(inward), scratch, motion);
+    DrawLayer(tool, grasp, config.widen_m * inward, LeftOf(inward), scratch, motion);
   } else {
     tool.Note("folded corner laid back instead");
     ScratchDragConfig both = scratch;

@@ -1,13 +1,23 @@
 #include "agents/primitives/scratch_drag.h"
 
+#include <algorithm>
+
 namespace gusset {
 
 void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion) {
+  const Eigen::Vector3d drag = At(target_W - p_W, 0);
+  const double length = std::clamp(drag.norm(), config.drag_least_m, config.drag_most_m);
+  DrawLayer(tool, p_W, length * drag.normalized(), along_W, config, motion);
+}
+
+void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
+               const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
+               const MotionConfig& motion) {
+  const Eigen::Vector3d drag = Within(config.drag_most_m, drag_W);
   Eigen::Vector3d grasp_W = p_W;
   const auto grasp = [&](double z) { return At(grasp_W, z); };
-  const Eigen::Vector3d drag = Within(config.drag_most_m, At(target_W - p_W, 0));
   const auto target = [&](double z) { return Eigen::Vector3d(grasp(z) + drag); };
 
   // tau_scratch: touch the cloth, close along the rim.
@@ -42,7 +52,7 @@ void LayLipOver(ToolMotion& tool, const Mouth& mouth, double grasp_before_m, dou
                 const MotionConfig& motion) {
   const Eigen::Vector3d outward = mouth.Outward_W();
   const Eigen::Vector3d grasp = mouth.drawn_W + grasp_before_m * outward;
-  ScratchDrag(tool, grasp, grasp + mouth.Apart_W() + over_m * outward, along_W, config, motion);
+  DrawLayer(tool, grasp, mouth.Apart_W() + over_m * outward, along_W, config, motion);
 }
 
 }  // namespace gusset

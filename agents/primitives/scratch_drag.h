@@ -17,7 +17,8 @@ struct ScratchDragConfig {
   int asides = 2;              ///< so often the fingers let go and try again ...
   double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes.
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
-  double drag_most_m = 0.20;   ///< ... and dragged towards the target, so far at most.
+  double drag_least_m = 0.19;  ///< ... and dragged towards the target, at least so far, for a flap
+  double drag_most_m = 0.20;   ///< that is shorter springs back, and at most so far.
   double drag_speed_m_s = 0.15;
   double release_height_m = 0.02;
   double release_opening_m = 0.045;  ///< Half open: enough to let go of one layer.
@@ -33,6 +34,7 @@ struct ScratchDragConfig {
     v("asides", asides, Range{0, 10});
     v("aside_m", aside_m, Range{0, 0.1});
     v("lift_m", lift_m, Range{0.01, 0.25});
+    v("drag_least_m", drag_least_m, Range{0, 0.5});
     v("drag_most_m", drag_most_m, Range{0.02, 0.5});
     v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
@@ -46,6 +48,11 @@ struct ScratchDragConfig {
 void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion);
+
+/// The same by a given way, which is shortened to drag_most_m alone.
+void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
+               const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
+               const MotionConfig& motion);
 
 /// Lays the drawn lip over the near one by the same means.
 /// @param grasp_before_m grasps the lip so far before its labels, as the mouth looks; negative:

@@ -288,23 +288,29 @@ TEST_F(BaggingEnvTest, GraspLiftStaysWithinTheLiftColumnAndTheHeightOverTheCentr
   for (const Eigen::Vector3d& p : path) EXPECT_LE(p.z(), 0.36);
 }
 
-TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointToTheTarget) {
+TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointTowardsTheTarget) {
   rig_.contact_height_m = 0.003;
-  (void)Act(1, 2 * 9 + 7, 2);
-  const Eigen::Vector3d grasp = env_.before().grasp_points[2].p_W;
-  const Eigen::Vector3d target = env_.before().place_points[7].p_W;
-  const std::vector<Eigen::Vector3d> path = Path();
-  EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12);
-  // Straight towards the target, and there or at the end of the longest drag.
-  const Eigen::Vector2d asked = (target - grasp).head<2>();
-  const Eigen::Vector2d dragged = (path.back() - grasp).head<2>();
-  EXPECT_NEAR(dragged.norm(), std::min(asked.norm(), config_.scratch_drag.drag_most_m), 1e-12);
-  EXPECT_NEAR(dragged.normalized().dot(asked.normalized()), 1, 1e-12);
-  // No deeper than the touch before the fingers close.
-  for (const Eigen::Vector3d& p : HeldPath()) EXPECT_GE(p.z(), 0.003);
-  // The fingers close along the rim.
-  const Eigen::Vector3d closing = rig_.moves[1].X_WT.linear().col(0);
-  EXPECT_NEAR(std::abs(closing.dot(env_.before().rim->along_W)), 1, 1e-9);
+  // Farther than the longest drag, and nearer than the shortest.
+  for (const auto& [point, to] : {std::pair(2, 7), std::pair(4, 1)}) {
+    (void)Act(1, point * 9 + to, 2);
+    const Eigen::Vector3d grasp = env_.before().grasp_points[point].p_W;
+    const Eigen::Vector3d target = env_.before().place_points[to].p_W;
+    const std::vector<Eigen::Vector3d> path = Path();
+    EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12);
+    // Straight towards the target, no less than the shortest and no more than the longest drag.
+    const Eigen::Vector2d asked = (target - grasp).head<2>();
+    const Eigen::Vector2d dragged = (path.back() - grasp).head<2>();
+    EXPECT_NEAR(dragged.norm(),
+                std::clamp(asked.norm(), config_.scratch_drag.drag_least_m,
+                           config_.scratch_drag.drag_most_m),
+                1e-12);
+    EXPECT_NEAR(dragged.normalized().dot(asked.normalized()), 1, 1e-12);
+    // No deeper than the touch before the fingers close.
+    for (const Eigen::Vector3d& p : HeldPath()) EXPECT_GE(p.z(), 0.003);
+    // The fingers close along the rim.
+    const Eigen::Vector3d closing = rig_.moves[1].X_WT.linear().col(0);
+    EXPECT_NEAR(std::abs(closing.dot(env_.before().rim->along_W)), 1, 1e-9);
+  }
 }
 
 // Where the fingers closed, and the way that they then went, for so much cloth between them.

@@ -98,6 +98,8 @@ TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
   const fs::path config = Write("c.toml", "\n[primitives]\nsettle_s = -1\n");
   ExpectRefused("train --config " + config.string() + out,
                 "c.toml:3: primitives.settle_s = -1 is not within [0, 10]");
+  ExpectRefused("train --set primitives.scratch_drag.drag_most_m=0.15" + out,
+                "primitives.scratch_drag.drag_least_m = 0.19 is above drag_most_m = 0.15");
   ExpectRefused("train --config /nowhere.toml" + out, "/nowhere.toml");
   EXPECT_FALSE(fs::exists(dir_ / "run")) << "nothing is written before the input is known good";
 }
