@@ -43,5 +43,6 @@ std::string Number(double value, const char* format = "%.4g");
 std::unique_ptr<Command> MakeCrossingsExperiment(std::string command);
 std::unique_ptr<Command> MakeGraspExperiment(std::string command);
 std::unique_ptr<Command> MakeRefinementExperiment(std::string command);
+std::unique_ptr<Command> MakePairsExperiment(std::string command);
 
 }  // namespace gusset

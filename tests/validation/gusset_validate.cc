@@ -24,6 +24,7 @@ int Validate(int argc, char** argv) {
     experiments.push_back(MakeCrossingsExperiment(command));
     experiments.push_back(MakeGraspExperiment(command));
     experiments.push_back(MakeRefinementExperiment(command));
+    experiments.push_back(MakePairsExperiment(command));
     for (const auto& e : experiments) e->Declare(*app.add_subcommand(e->name(), e->summary()));
     try {
       app.parse(argc, argv);
