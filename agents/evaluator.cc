@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "agents/outcome_fields.h"
 #include "base/error.h"
 #include "base/random.h"
 
@@ -18,17 +19,9 @@ constexpr std::uint64_t kSeedsPerEpisode = 1024;
 // What is known of an episode's last action, with the keys of steps.jsonl.
 nlohmann::ordered_json About(const Episode& episode, int index, int state, int action,
                              const Outcome& outcome) {
-  nlohmann::ordered_json about = {{"episode", index},
-                                  {"step", episode.steps.size() - 1},
-                                  {"state", state},
-                                  {"action", action},
-                                  {"reward", outcome.reward},
-                                  {"next_state", outcome.next.state},
-                                  {"next_state_true", outcome.truth.state},
-                                  {"done", outcome.done},
-                                  {"success", outcome.success},
-                                  {"success_true", outcome.true_success}};
-  about.update(outcome.log);
+  nlohmann::ordered_json about = {
+      {"episode", index}, {"step", episode.steps.size() - 1}, {"state", state}, {"action", action}};
+  about.update(OutcomeFields(outcome));
   about["start_seed"] = episode.start_seed;
   about["sensor_seed"] = episode.steps.back().sensor_seed;
   return about;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "agents/outcome_fields.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/random.h"
@@ -420,20 +421,12 @@ class Trainer {
 
   nlohmann::ordered_json LogLine(const Plan& plan, const Trial& trial, int state_step) const {
     const Outcome& outcome = trial.outcome;
-    nlohmann::ordered_json line = {{"step", progress_.actions},
-                                   {"kind", plan.extra ? "extra" : "train"},
-                                   {"state", trial.percept.state},
-                                   {"state_step", state_step},
-                                   {"action", trial.decision.action},
-                                   {"explored", trial.decision.explored},
-                                   {"epsilon", trial.decision.epsilon},
-                                   {"reward", outcome.reward},
-                                   {"next_state", outcome.next.state},
-                                   {"next_state_true", outcome.truth.state},
-                                   {"done", outcome.done},
-                                   {"success", outcome.success},
-                                   {"success_true", outcome.true_success}};
-    line.update(outcome.log);
+    nlohmann::ordered_json line = {
+        {"step", progress_.actions},        {"kind", plan.extra ? "extra" : "train"},
+        {"state", trial.percept.state},     {"state_step", state_step},
+        {"action", trial.decision.action},  {"explored", trial.decision.explored},
+        {"epsilon", trial.decision.epsilon}};
+    line.update(OutcomeFields(outcome));
     line["from"] = trial.from;
     line["sensor_seed"] = trial.sensor_seed;
     line["sim_s"] = outcome.sim_s;
