@@ -79,9 +79,15 @@ void CheckThresholds(const ConfigTree& tree, const std::string& section, const B
 void BaggingConfig::Read(ConfigTree& tree) {
   VisitSections(*this, Sections{tree});
   if (scratch_drag.drag_least_m > scratch_drag.drag_most_m) {
-    char text[64];
-    std::snprintf(text, sizeof text, "is above drag_most_m = %g", scratch_drag.drag_most_m);
-    tree.Refuse("primitives.scratch_drag.drag_least_m", scratch_drag.drag_least_m, text);
+    const auto refuse = [&](const char* key, double value, const char* than, double bound) {
+      char text[64];
+      std::snprintf(text, sizeof text, "is %s = %g", than, bound);
+      tree.Refuse(std::string("primitives.scratch_drag.") + key, value, text);
+    };
+    const double least = scratch_drag.drag_least_m, most = scratch_drag.drag_most_m;
+    const bool least_is_given = tree.Has("primitives.scratch_drag.drag_least_m");
+    least_is_given ? refuse("drag_least_m", least, "above drag_most_m", most)
+                   : refuse("drag_most_m", most, "below drag_least_m", least);
   }
   CheckThresholds(tree, "thresholds", thresholds.gusset);
   if (tree.Has("thresholds_published")) {

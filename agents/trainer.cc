@@ -268,6 +268,20 @@ class Trainer {
     }
   }
 
+  // Which bag of its pool an action is done to. Each is taken once, in random order, before any is
+  // taken again: with few bags and few tries of an action, its reward is luck enough.
+  int Drawn(const Plan& plan, int attempt) const {
+    if (attempt > 0) return Rng(Seed("pool", plan.SeedIndex(attempt))).Below(plan.pool_size);
+    Plan round = plan;
+    round.index = plan.index / plan.pool_size;
+    Rng rng(Seed("pool order", round.SeedIndex(0)));
+    std::vector<int> order(At(plan.pool_size));
+    std::iota(order.begin(), order.end(), 0);
+    for (int i = plan.pool_size - 1; i > 0; --i)
+      std::swap(order[At(i)], order[At(rng.Below(i + 1))]);
+    return order[At(plan.index % plan.pool_size)];
+  }
+
   void Try(Environment& environment, const Plan& plan, Trial& trial) const {
     trial.mode = plan.extra ? Mode::kGreedy : Mode::kExplore;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -278,8 +292,7 @@ class Trainer {
         trial.from = {{"start", "folded"}, {"seed", seed}};
         snapshot = environment.Start(StartKind::kFolded, seed);
       } else {
-        Rng rng(Seed("pool", index));
-        const int id = progress_.pools[At(plan.state)][At(rng.Below(plan.pool_size))];
+        const int id = progress_.pools[At(plan.state)][At(Drawn(plan, attempt))];
         trial.from = {{"step", id}};
         snapshot = folder_.ReadSnapshot(id);
       }

@@ -425,9 +425,10 @@ void ConfigTree::RefuseUnknown() const {
   }
 }
 
-bool ConfigTree::Has(std::string_view section) const {
-  return impl_->sections.contains(std::string(section)) ||
-         std::ranges::any_of(impl_->entries, [prefix = std::string(section) + "."](const auto& e) {
+bool ConfigTree::Has(std::string_view name) const {
+  return impl_->sections.contains(std::string(name)) ||
+         impl_->entries.contains(std::string(name)) ||
+         std::ranges::any_of(impl_->entries, [prefix = std::string(name) + "."](const auto& e) {
            return e.first.starts_with(prefix);
          });
 }

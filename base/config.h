@@ -59,8 +59,8 @@ class ConfigTree {
   }
   /// Keys that no Read has asked for are errors. @throws InputError naming the first one.
   void RefuseUnknown() const;
-  /// True if the table exists.
-  bool Has(std::string_view section) const;
+  /// True if there is a table or a key of this name.
+  bool Has(std::string_view name) const;
   /// Refuses the value of `key` for a reason that its bounds do not know, as where two values do
   /// not go together. @throws InputError "file:line: key = value why", without file if none gave
   /// it.

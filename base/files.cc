@@ -82,6 +82,18 @@ void WriteFileAtomic(const std::filesystem::path& path, std::string_view content
   if (::rename(beside.c_str(), path.c_str()) != 0) give_up("cannot replace", errno);
 }
 
+void CheckWritable(const std::filesystem::path& path) {
+  std::filesystem::path folder = path.parent_path();
+  if (folder.empty()) folder = ".";
+  struct stat is {};
+  if (::stat(path.c_str(), &is) == 0 && S_ISDIR(is.st_mode)) {
+    throw InputError(Reason(path, "cannot write", EISDIR));
+  }
+  if (::stat(folder.c_str(), &is) != 0) throw InputError(Reason(path, "cannot write", errno));
+  if (!S_ISDIR(is.st_mode)) throw InputError(Reason(path, "cannot write", ENOTDIR));
+  if (::access(folder.c_str(), W_OK) != 0) throw InputError(Reason(path, "cannot write", errno));
+}
+
 void MakeFolder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

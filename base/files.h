@@ -18,6 +18,10 @@ std::string ReadFile(const std::filesystem::path& path,
 /// @throws InputError if the place cannot be written at all, RunError if writing fails (disk full).
 void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents);
 
+/// For before long work whose result goes there. @throws InputError (`path: why`) if no file can be
+/// put at `path`: it is a folder, or what should hold it is none or may not be written to.
+void CheckWritable(const std::filesystem::path& path);
+
 /// Makes a folder and its parents; one that exists is fine. @throws InputError.
 void MakeFolder(const std::filesystem::path& path);
 

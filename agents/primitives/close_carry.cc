@@ -17,21 +17,41 @@ Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
          along * (aside - std::clamp(aside, -config.rim_aside_m, config.rim_aside_m));
 }
 
+// Brings the drawn lip to where the bag is to be grasped and presses it onto the other there. Let
+// go of, it springs back: the fingers open to gather both lips, but do not rise from it.
+void LayLipOver(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& grasp_W,
+                const Eigen::Vector3d& closing_W, const CloseCarryConfig& config,
+                const ScratchDragConfig& drag, const MotionConfig& motion) {
+  const Eigen::Vector3d lip_W = mouth.drawn_W - config.lip_behind_m * mouth.Outward_W();
+  const Eigen::Vector3d seized_W =
+      SeizeLayer(tool, lip_W, grasp_W - lip_W, closing_W, drag, motion);
+  const double raised = seized_W.z() + drag.lift_m;
+  tool.Go(At(seized_W, raised), drag.drag_speed_m_s);
+  tool.Go(At(grasp_W, raised), drag.drag_speed_m_s);
+  tool.Go(At(grasp_W, drag.release_height_m), drag.drag_speed_m_s);
+  tool.GoUntilContact(At(grasp_W, config.height_m), config.contact_force_N);
+  tool.Fingers(config.opening_m);
+}
+
 }  // namespace
 
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
                 const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
                 const ScratchDragConfig& drag, const MotionConfig& motion) {
-  if (mouth && mouth->Apart_W().norm() >= config.lips_apart_m) {
-    LayLipOver(tool, *mouth, -config.lip_behind_m, config.lip_over_m, closing_W, drag, motion);
-  }
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
-
-  tool.Fingers(config.opening_m);
   const double closing = AngleOf(closing_W);
-  tool.Approach(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), closing);
+
+  // tau_close.
+  if (mouth && mouth->Apart_W().norm() >= config.lips_apart_m) {
+    LayLipOver(tool, *mouth, grasp, closing_W, config, drag, motion);
+  } else {
+    tool.Fingers(config.opening_m);
+    tool.Approach(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), closing);
+  }
   tool.GoUntilContact(At(grasp, config.height_m), config.contact_force_N);
   tool.Fingers(0);
+
+  // mu_carry.
   tool.Go(At(grasp, config.upright_m), config.lift_speed_m_s);
   const Eigen::Vector3d high = At(Within(config.column_m, At(grasp, 0)), config.lift_height_m);
   tool.GoTilted(high, closing, config.tilt_deg * std::numbers::pi / 180, config.lift_speed_m_s);

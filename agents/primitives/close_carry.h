@@ -12,9 +12,9 @@ namespace gusset {
 /// the fingertips; all tuned.
 struct CloseCarryConfig {
   double lips_apart_m = 0.03;   ///< Lips farther apart than this are brought together first:
-  double lip_behind_m = 0.012;  ///< the drawn one, grasped so far behind where its labels are, so
-                                ///< that the fingers miss the cube before it, is laid ...
-  double lip_over_m = 0.01;     ///< ... so far beyond the other.
+  double lip_behind_m = 0.024;  ///< the drawn one, grasped so far behind where its labels are, so
+                                ///< that the fingers miss the cube before it, is pressed onto the
+                                ///< other where the bag is then grasped.
   double rim_inset_m = 0.02;    ///< The bag is grasped no deeper than so far behind the near lip.
   double rim_aside_m = 0.03;    ///< ... and no farther aside from its middle.
   double opening_m = 0.085;     ///< Wide: both layers are to be gathered.
@@ -30,7 +30,6 @@ struct CloseCarryConfig {
   void Fields(V& v) {
     v("lips_apart_m", lips_apart_m, Range{0, 1});
     v("lip_behind_m", lip_behind_m, Range{-0.05, 0.05});
-    v("lip_over_m", lip_over_m, Range{-0.05, 0.05});
     v("rim_inset_m", rim_inset_m, Range{0, 1});
     v("rim_aside_m", rim_aside_m, Range{0, 1});
     v("opening_m", opening_m, Range{0.01, 0.085});
@@ -44,9 +43,9 @@ struct CloseCarryConfig {
   }
 };
 
-/// Draws the mouth's lips together over what lies in it, closes the gripper on the bag at p_W, or
-/// beside it at the rim, and lifts it. The waiting pose, to which the arm then goes with what it
-/// holds, is the rest of mu_carry.
+/// Draws the mouth's lips together over what lies in it, closes the gripper on both at p_W, or
+/// beside it at the rim, and lifts the bag.
+/// The waiting pose, to which the arm then goes with what it holds, is the rest of mu_carry.
 /// @param closing_W horizontal direction along which the fingers close.
 /// @param mouth none if it is not seen: then nothing is drawn, and the grasp is at p_W.
 /// @param drag how a lip is drawn.

@@ -18,8 +18,9 @@ void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
     tool.Note("folded corner laid back instead");
     ScratchDragConfig both = scratch;
     both.asides = 0;  // it is the two layers that are to be grasped
-    LayLipOver(tool, mouth, config.grasp_inset_m, config.over_m, LeftOf(mouth.Outward_W()), both,
-               motion);
+    const Eigen::Vector3d outward = mouth.Outward_W();
+    DrawLayer(tool, mouth.drawn_W + config.grasp_inset_m * outward,
+              mouth.Apart_W() + config.over_m * outward, LeftOf(outward), both, motion);
   }
 }
 

@@ -49,17 +49,16 @@ void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vect
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion);
 
-/// The same by a given way, which is shortened to drag_most_m alone.
+/// tau_scratch alone: touches the cloth at p_W and closes along the rim; beside p_W, on the side
+/// that drag_W leads to, if both layers seem to be between the pads. @returns where the fingers
+/// closed.
+Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
+                           const Eigen::Vector3d& drag_W, const Eigen::Vector3d& along_W,
+                           const ScratchDragConfig& config, const MotionConfig& motion);
+
+/// Scratches and drags by a given way, which is shortened to drag_most_m alone.
 void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                const MotionConfig& motion);
-
-/// Lays the drawn lip over the near one by the same means.
-/// @param grasp_before_m grasps the lip so far before its labels, as the mouth looks; negative:
-///        behind them.
-/// @param over_m lays it so far beyond the near lip.
-void LayLipOver(ToolMotion& tool, const Mouth& mouth, double grasp_before_m, double over_m,
-                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
-                const MotionConfig& motion);
 
 }  // namespace gusset

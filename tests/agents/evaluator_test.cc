@@ -6,6 +6,7 @@
 #include "agents/random_agent.h"
 #include "agents/report/dumped_action.h"
 #include "tests/agents/table_world.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -62,9 +63,8 @@ TEST(Evaluator, TheExpertBeatsTheRandomPolicy) {
 }
 
 TEST(Evaluator, FramesAreKeptOfEveryActionOfAFailedEpisodeAndOfNoOther) {
-  std::string pattern = (std::filesystem::temp_directory_path() / "gusset_ev_XXXXXX").string();
-  ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-  const std::filesystem::path dir = pattern;
+  const TemporaryFolder folder;
+  const std::filesystem::path& dir = folder.path();
   EvaluationConfig config{.episodes = 20};
   config.dump = "failures";
   config.frames = dir;
@@ -83,7 +83,6 @@ TEST(Evaluator, FramesAreKeptOfEveryActionOfAFailedEpisodeAndOfNoOther) {
     EXPECT_FALSE(episode.true_success);
     EXPECT_EQ(episode.steps.at(static_cast<std::size_t>(action.step)).action, action.action);
   }
-  std::filesystem::remove_all(dir);
 }
 
 TEST(Evaluator, TalliesAddUp) {

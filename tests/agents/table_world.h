@@ -5,12 +5,12 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <string>
 
 #include "agents/environment.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/random.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 
@@ -79,17 +79,14 @@ class TableWorld final : public Environment {
 /// a trainer syncs every action and a busy disk takes 10 ms for each.
 class FolderTest : public testing::Test {
  protected:
-  void SetUp() override {
+  static std::filesystem::path Parent() {
     const char* memory = "/dev/shm";
     const bool in_memory = std::getenv("TMPDIR") == nullptr && ::access(memory, W_OK) == 0;
-    const std::filesystem::path parent =
-        in_memory ? memory : std::filesystem::temp_directory_path();
-    std::string pattern = (parent / "gusset_test_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
+    return in_memory ? memory : std::filesystem::temp_directory_path();
   }
-  void TearDown() override { std::filesystem::remove_all(dir_); }
-  std::filesystem::path dir_;
+
+  TemporaryFolder folder_{Parent()};
+  std::filesystem::path dir_ = folder_.path();
 };
 
 }  // namespace gusset

@@ -96,6 +96,22 @@ TEST_F(TrainerTest, StepsStartWhereAnEarlierStepWasSeenToLeaveTheBag) {
   }
 }
 
+TEST_F(TrainerTest, EveryBagOfAPoolIsTakenBeforeAnyIsTakenAgain) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.steps = 30, .pool_min = 7}), "");
+  std::map<int, std::map<int, int>> taken;
+  for (const json& step : Steps(folder)) {
+    if (step["state"] != 0 && step["kind"] == "train") ++taken[step["state"]][step["from"]["step"]];
+  }
+  ASSERT_EQ(taken.size(), 3u);
+  for (const auto& [state, times] : taken) {
+    const auto by_times = [](const auto& a, const auto& b) { return a.second < b.second; };
+    const auto [least, most] = std::minmax_element(times.begin(), times.end(), by_times);
+    EXPECT_LE(most->second - least->second, 1) << "s" << state;
+    EXPECT_GE(times.size(), 7u);
+  }
+}
+
 TEST_F(TrainerTest, APoolTooSmallIsFilledByTheGreedyPolicy) {
   const RunFolder folder = NewFolder("run");
   ASSERT_EQ(Run(folder, {.steps = 5, .pool_min = 20}), "");

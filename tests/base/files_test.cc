@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -16,13 +17,8 @@ namespace fs = std::filesystem;
 
 class Files : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "gusset_files_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(dir_); }
-  fs::path dir_;
+  TemporaryFolder folder_;
+  fs::path dir_ = folder_.path();
 };
 
 // As a full disk does, a file size limit lets a write fall short and the next one fail.
@@ -68,6 +64,18 @@ TEST_F(Files, AnUnwritablePlaceIsBadInput) {
   EXPECT_THROW(MakeFolder(dir_ / "file" / "sub"), InputError);
   EXPECT_THROW(LineLog(dir_ / "no" / "log"), InputError);
   EXPECT_THROW((void)ReadFile(dir_), InputError);
+}
+
+TEST_F(Files, WhatCannotBeWrittenIsKnownBeforeItIs) {
+  EXPECT_NO_THROW(CheckWritable(dir_ / "new"));
+  EXPECT_FALSE(fs::exists(dir_ / "new"));
+  EXPECT_NO_THROW(CheckWritable("beside.json"));
+  WriteFileAtomic(dir_ / "file", "x");
+  EXPECT_NO_THROW(CheckWritable(dir_ / "file"));
+  for (const fs::path& path : {dir_, dir_ / "no" / "file", dir_ / "file" / "below"}) {
+    EXPECT_THROW(CheckWritable(path), InputError) << path;
+    EXPECT_ANY_THROW(WriteFileAtomic(path, "x")) << path;
+  }
 }
 
 TEST_F(Files, AFileTooLargeIsRefused) {

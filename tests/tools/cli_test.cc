@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/temporary_folder.h"
+
 namespace gusset {
 namespace {
 
@@ -26,13 +28,6 @@ struct Result {
 
 class Cli : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "gusset_cli_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(dir_); }
-
   Result Gusset(const std::string& arguments) const {
     const std::string command = std::string(GUSSET_BINARY) + " " + arguments + " >" +
                                 (dir_ / "out").string() + " 2>" + (dir_ / "err").string();
@@ -56,7 +51,8 @@ class Cli : public testing::Test {
     EXPECT_THAT(result.err, HasSubstr(text)) << arguments;
   }
 
-  fs::path dir_;
+  TemporaryFolder folder_;
+  fs::path dir_ = folder_.path();
 };
 
 TEST_F(Cli, HelpEverywhereSucceeds) {
@@ -81,6 +77,8 @@ TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
   ExpectRefused("evaluate --policy random --log-level loud", "loud");
   ExpectRefused("play --out X", "--policy");
   ExpectRefused("evaluate --policy random --dump all", "--dump all needs --out");
+  ExpectRefused("evaluate --policy random --out /", "/: cannot write");
+  ExpectRefused("report /nowhere --out /no/such/page.html", "/no/such/page.html: cannot write");
   ExpectRefused("evaluate --policy random --dump some --out X", "some");
   ExpectRefused("report --out X", "folders");
   ExpectRefused("bench --only no_such", "no_such");
@@ -99,7 +97,9 @@ TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
   ExpectRefused("train --config " + config.string() + out,
                 "c.toml:3: primitives.settle_s = -1 is not within [0, 10]");
   ExpectRefused("train --set primitives.scratch_drag.drag_most_m=0.15" + out,
-                "primitives.scratch_drag.drag_least_m = 0.19 is above drag_most_m = 0.15");
+                "primitives.scratch_drag.drag_most_m = 0.15 is below drag_least_m = 0.19");
+  ExpectRefused("train --set primitives.scratch_drag.drag_least_m=0.25" + out,
+                "primitives.scratch_drag.drag_least_m = 0.25 is above drag_most_m = 0.2");
   ExpectRefused("train --config /nowhere.toml" + out, "/nowhere.toml");
   EXPECT_FALSE(fs::exists(dir_ / "run")) << "nothing is written before the input is known good";
 }

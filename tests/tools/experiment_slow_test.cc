@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/files.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -20,13 +21,6 @@ using testing::HasSubstr;
 
 class ExperimentRun : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "gusset_experiment_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(dir_); }
-
   // @returns what it printed; the test fails if it does.
   std::string Gusset(const std::string& arguments) const {
     const std::string command = std::string(GUSSET_BINARY) + " " + arguments + " >" +
@@ -43,7 +37,8 @@ class ExperimentRun : public testing::Test {
     return {};
   }
 
-  fs::path dir_;
+  TemporaryFolder folder_;
+  fs::path dir_ = folder_.path();
 };
 
 // Random choice cannot get stuck in one state, whatever the physics.

@@ -15,6 +15,7 @@
 #include "agents/trainer.h"
 #include "base/config.h"
 #include "base/files.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -52,11 +53,7 @@ class ReportPage : public testing::Test {
     if (std::system("command -v chromium >/dev/null") != 0) {
       GTEST_SKIP() << "chromium is not installed";
     }
-    std::string pattern = (fs::temp_directory_path() / "gusset_page_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
   }
-  void TearDown() override { fs::remove_all(dir_); }
 
   // A run of `seed`, with a learning curve that rises, an evaluation and reward maps.
   void WriteRun(const std::string& name, int seed) {
@@ -123,7 +120,8 @@ class ReportPage : public testing::Test {
     return {ReadFile(dir_ / "dom"), ReadFile(dir_ / "err")};
   }
 
-  fs::path dir_;
+  TemporaryFolder folder_;
+  fs::path dir_ = folder_.path();
 };
 
 TEST_F(ReportPage, DrawsChartsTablesAndVideosWithoutNetworkOrComplaint) {

@@ -25,6 +25,7 @@
 #include "agents/replay.h"
 #include "agents/run_folder.h"
 #include "base/files.h"
+#include "tests/temporary_folder.h"
 #include "tools/gusset/settings.h"
 
 namespace gusset {
@@ -172,9 +173,8 @@ std::map<std::string, std::string> Results(const fs::path& run) {
 class TrainingRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    std::string pattern = (fs::temp_directory_path() / "gusset_run_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
+    folder_ = std::make_unique<TemporaryFolder>();
+    dir_ = folder_->path();
     WriteFileAtomic(dir_ / "coarse.toml", kConfig);
     ::setenv("GUSSET_CACHE", (dir_ / "cache").c_str(), 1);
     // Not every seed's bags come through all states within so few actions, nor need extra ones.
@@ -189,7 +189,7 @@ class TrainingRun : public testing::Test {
       return;
     }
   }
-  static void TearDownTestSuite() { fs::remove_all(dir_); }
+  static void TearDownTestSuite() { folder_.reset(); }
   void SetUp() override {
     ASSERT_FALSE(unbroken_.empty())
         << "no seed up to " << kMostSeeds << " came through all states with extra actions";
@@ -229,6 +229,7 @@ class TrainingRun : public testing::Test {
     EXPECT_THAT(exit.err, HasSubstr(text));
   }
 
+  inline static std::unique_ptr<TemporaryFolder> folder_;
   inline static fs::path dir_;
   inline static int seed_ = 0;
   inline static fs::path unbroken_run_;

@@ -13,6 +13,7 @@
 #include "agents/evaluator.h"
 #include "agents/report/results_csv.h"
 #include "base/files.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -59,13 +60,9 @@ class Sweep : public testing::Test {
     if (std::system("command -v snakemake >/dev/null") != 0) {
       GTEST_SKIP() << "snakemake is not installed";
     }
-    std::string pattern = (fs::temp_directory_path() / "gusset_sweep_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    dir_ = pattern;
     WriteFileAtomic(dir_ / "gusset", kStandIn);
     fs::permissions(dir_ / "gusset", fs::perms::owner_all);
   }
-  void TearDown() override { fs::remove_all(dir_); }
 
   void Seeds(const std::string& seeds) {
     WriteFileAtomic(dir_ / "s.yaml", "out: out\nseeds: [" + seeds +
@@ -81,7 +78,8 @@ class Sweep : public testing::Test {
     return ReadFile(dir_ / ("out/runs/pi-seed" + std::to_string(seed) + "/calls"));
   }
 
-  fs::path dir_;
+  TemporaryFolder folder_;
+  fs::path dir_ = folder_.path();
 };
 
 TEST_F(Sweep, RetriesResumesAndMergesAndDoesNothingTwice) {

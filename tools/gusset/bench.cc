@@ -53,6 +53,7 @@ class BenchCommand final : public Command {
 #ifdef GUSSET_HAS_BENCH
   void Run() override {
     common_.StartLog();
+    if (!out_.empty()) CheckWritable(out_);
     const Settings settings = LoadSettings(common_, {.bag = bag_});
     WatchForStop();
     const nlohmann::ordered_json document =

@@ -47,6 +47,7 @@ class EvaluateCommand final : public Command {
     if (dump_ != "none" && out_.empty()) {
       throw InputError("--dump " + dump_ + " needs --out, beside which the frames are kept");
     }
+    if (!out_.empty()) CheckWritable(out_);
     const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
     const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);

@@ -27,6 +27,7 @@ class ReportCommand final : public Command {
 
   void Run() override {
     common_.StartLog();
+    CheckWritable(out_);
     // A report depends on no setting; mistakes in those given are told all the same.
     if (!common_.config_files.empty() || !common_.assignments.empty()) LoadSettings(common_, {});
     const std::string page = FillPage("report", CollectReport({folders_.begin(), folders_.end()}));
