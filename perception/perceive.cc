@@ -209,7 +209,7 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
     observation.bag_at_border = bag->at_border;
     observation.A_bag = bag->area_px2;
     for (const Label& label :
-         FindLabels(masks.label, bag->mask, 2 * thresholds.labels_per_layer, config)) {
+         FindLabels(masks.label_cover, bag->mask, 2 * thresholds.labels_per_layer, config)) {
       observation.labels.push_back(label.centroid + cv::Point2d(view.roi.tl()));
     }
     observation.mouth_seen = static_cast<int>(observation.labels.size()) >= kLabelsOfMouth;
