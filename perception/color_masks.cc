@@ -12,6 +12,12 @@ namespace {
 
 /// Rows that are converted at a time: what is read and written then stays in the cache.
 constexpr int kStrip = 16;
+/// Every so many rows and columns are enough for cloth's median.
+constexpr int kSampled = 3;
+/// Share of label-coloured pixels that are less saturated than one that is all label.
+constexpr double kFullySaturated = 0.7;
+/// Fewer pixels than one label has do not show how saturated it is.
+constexpr int kPixelsOfALabel = 50;
 
 /// An HSV range that may wrap through red. Sixteen pixels at a time: cv::inRange takes four times
 /// as long, and would run four times over the same pixels.
@@ -69,19 +75,65 @@ void MarkRow(const uchar* hsv, int count, std::initializer_list<RowMask> rows) {
   }
 }
 
+/// The saturation of the pixels that `range` holds, 0 where it does not.
+void SaturationIn(const HsvRange& range, const uchar* hsv, int count, uchar* saturation) {
+  constexpr int kLanes = cv::v_uint8x16::nlanes;
+  int x = 0;
+  for (; x + kLanes <= count; x += kLanes) {
+    cv::v_uint8x16 h, s, v;
+    cv::v_load_deinterleave(hsv + 3 * x, h, s, v);
+    cv::v_store(saturation + x, range.Holds(h, s, v) & s);
+  }
+  for (; x < count; ++x) {
+    const uchar* p = hsv + 3 * x;
+    saturation[x] = range.Holds(p[0], p[1], p[2]) ? p[1] : 0;
+  }
+}
+
+using Histogram = std::array<int, 256>;
+
+/// The least value that the share `share` of what was counted does not exceed; 0 for nothing.
+int Quantile(const Histogram& histogram, double share) {
+  int count = 0;
+  for (const int n : histogram) count += n;
+  int value = 0;
+  for (int seen = histogram[0]; seen < share * count; seen += histogram[value]) ++value;
+  return value;
+}
+
+/// From saturation to cover, in place. @param label what is surely label. @param half_covered the
+/// saturation of a pixel that a label covers by half, for want of pixels to measure.
+void ToCover(const cv::Mat& label, int cloth_saturation, int half_covered, cv::Mat& cover) {
+  Histogram histogram{};
+  const cv::Rect around = cv::boundingRect(label);
+  for (int y = around.y; y < around.br().y; ++y) {
+    for (int x = around.x; x < around.br().x; ++x) {
+      if (label.at<uchar>(y, x) != 0) ++histogram[cover.at<uchar>(y, x)];
+    }
+  }
+  int full = Quantile(histogram, kFullySaturated);
+  if (cv::countNonZero(label) < kPixelsOfALabel) {
+    full = std::max(full, 2 * half_covered - cloth_saturation);
+  }
+  full = std::max(full, cloth_saturation + 1);
+  cv::Mat table(1, 256, CV_8UC1);
+  for (int s = 0; s < 256; ++s) {
+    table.at<uchar>(s) =
+        cv::saturate_cast<uchar>(255. * (s - cloth_saturation) / (full - cloth_saturation));
+  }
+  cv::LUT(cover, table, cover);
+}
+
 /// Median V = max(B, G, R) over every second pixel of every second row.
 int MedianBrightness(const cv::Mat& bgr) {
-  std::array<int, 256> histogram{};
-  int count = 0;
+  Histogram histogram{};
   for (int y = 0; y < bgr.rows; y += 2) {
     const auto* row = bgr.ptr<cv::Vec3b>(y);
-    for (int x = 0; x < bgr.cols; x += 2, ++count) {
+    for (int x = 0; x < bgr.cols; x += 2) {
       ++histogram[std::max({row[x][0], row[x][1], row[x][2]})];
     }
   }
-  int value = 0;
-  for (int seen = histogram[0]; 2 * seen < count; seen += histogram[value]) ++value;
-  return value;
+  return Quantile(histogram, 0.5);
 }
 
 }  // namespace
@@ -94,9 +146,12 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   const double over_canvas =
       std::min(config.bag_over_canvas * MedianBrightness(color(view.roi)), config.bag_v_cap);
   cloth.RaiseLeastValue(over_canvas);
+  const HsvRange label_hue({config.label_hsv_min[0], 0, config.label_hsv_min[2]},
+                           config.label_hsv_max);
 
   ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1),
-                   cv::Mat(color.size(), CV_8UC1)};
+                   cv::Mat(color.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1)};
+  Histogram cloth_saturation{};
   cv::Mat hsv;
   for (int top = 0; top < color.rows; top += kStrip) {
     const cv::Rect strip(0, top, color.cols, std::min(kStrip, color.rows - top));
@@ -105,10 +160,19 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
       const int in_roi = top + y - view.roi.y;
       MarkRow(hsv.ptr(y), color.cols, {{&cube, masks.cube.ptr(top + y)}});
       if (in_roi < 0 || in_roi >= view.roi.height) continue;
-      MarkRow(hsv.ptr(y) + 3 * view.roi.x, view.roi.width,
+      const uchar* row = hsv.ptr(y) + 3 * view.roi.x;
+      MarkRow(row, view.roi.width,
               {{&cloth, masks.cloth.ptr(in_roi)}, {&label, masks.label.ptr(in_roi)}});
+      SaturationIn(label_hue, row, view.roi.width, masks.label_cover.ptr(in_roi));
+      if (in_roi % kSampled != 0) continue;
+      const uchar* is_cloth = masks.cloth.ptr(in_roi);
+      for (int x = 0; x < view.roi.width; x += kSampled) {
+        if (is_cloth[x] != 0) ++cloth_saturation[row[3 * x + 1]];
+      }
     }
   }
+  ToCover(masks.label, Quantile(cloth_saturation, 0.5),
+          cv::saturate_cast<uchar>(config.label_hsv_min[1]), masks.label_cover);
   return masks;
 }
 

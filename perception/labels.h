@@ -9,16 +9,17 @@ namespace gusset {
 
 /// A green label on the bag.
 struct Label {
-  cv::Point2d centroid;  ///< px of the region of interest.
-  int area_px2 = 0;
+  cv::Point2d centroid;  ///< px of the region of interest; weighted by cover.
+  double area_px2 = 0;   ///< Sum of cover: parts of pixels count as parts.
 };
 
-/// Finds the labels: spots of label colour on the bag, larger than the noise floor. A spot longer
-/// than a label is several that touch, as where one layer's label lies beside the other's; it is
-/// cut at its waist.
-/// @param label_colored, bag CV_8UC1 masks of one size.
+/// Finds the labels: spots of label colour on the bag, no smaller than the noise floor. A spot
+/// longer than a label is several that touch, as where one layer's label lies beside the other's;
+/// it is cut at its waist. How long it is follows from its second moment along its longer axis: for
+/// a rectangle of length L, L^2/12, and the lens adds little.
+/// @param cover ColorMasks::label_cover. @param bag CV_8UC1 mask of the same size.
 /// @returns from the largest to the smallest (ties: top to bottom, left to right), at most `most`.
-std::vector<Label> FindLabels(const cv::Mat& label_colored, const cv::Mat& bag, int most,
+std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most,
                               const PerceptionConfig& config);
 
 }  // namespace gusset

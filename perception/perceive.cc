@@ -52,6 +52,25 @@ std::vector<cv::Point2f> Hull(const std::vector<cv::Point2d>& points) {
   return hull;
 }
 
+/// What the labels enclose: a mask of the region of interest.
+cv::Mat MouthMask(const std::vector<cv::Point2f>& hull, const View& view) {
+  cv::Mat mask = cv::Mat::zeros(view.roi.size(), CV_8UC1);
+  std::vector<cv::Point> corners;
+  for (const cv::Point2f& point : hull) corners.emplace_back(cvRound(point.x), cvRound(point.y));
+  cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{corners}, 255, cv::LINE_8, 0,
+               -view.roi.tl());
+  return mask;
+}
+
+/// The cloth that shows: the bag less the cube, which lies on or in it.
+cv::Mat ShownCloth(const BagBody& bag, const std::optional<CubeBlob>& cube, const View& view) {
+  if (!cube) return bag.mask;
+  cv::Mat mask = bag.mask.clone();
+  cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{cube->contour}, 0, cv::LINE_8, 0,
+               -view.roi.tl());
+  return mask;
+}
+
 bool IsInMouth(const CubeSeen& cube, const std::vector<cv::Point2d>& labels, double cube_width) {
   if (static_cast<int>(labels.size()) < kLabelsOfMouth) return false;
   return cv::pointPolygonTest(Hull(labels), cv::Point2f(cube.px), /*measureDist=*/true) >=
@@ -103,16 +122,16 @@ std::optional<Lips> FindLips(const Observation& observation, const View& view,
               Deproject(view, sum[1] / count[1], config)};
 }
 
-std::vector<PosePoint> ToPosePoints(std::vector<cv::Point2d> points, const BagBody& bag,
+std::vector<PosePoint> ToPosePoints(std::vector<cv::Point2d> points, const cv::Mat& cloth,
                                     const View& view, const PerceptionConfig& config) {
-  SnapOnto(bag.mask, view.roi.tl(), config.point_inset_px, points);
+  SnapOnto(cloth, view.roi.tl(), config.point_inset_px, points);
   std::vector<PosePoint> poses;
   for (const cv::Point2d& px : points) poses.push_back(Deproject(view, px, config));
   return poses;
 }
 
-void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig& config,
-                   Observation& observation) {
+void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, const View& view,
+                   const PerceptionConfig& config, Observation& observation) {
   Outline outline = FitOutline(bag.contour);
   const cv::Point2d corner(view.roi.tl());
   outline.centroid += corner;
@@ -152,9 +171,12 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
       place = CellCentres(outline.corners, kZeta);
       break;
     case State::kOpen: {
-      const Outline mouth = FitOutline(Hull(observation.labels));
+      const std::vector<cv::Point2f> hull = Hull(observation.labels);
+      const Outline mouth = FitOutline(hull);
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
+      // A label seen from outside lies half its length behind the lip.
+      SnapOnto(MouthMask(hull, view), view.roi.tl(), config.label_inset_px, place);
       break;
     }
     case State::kFilled:
@@ -164,9 +186,10 @@ void AddPosePoints(const BagBody& bag, const View& view, const PerceptionConfig&
     case State::kFail:
       break;
   }
-  observation.grasp_points = ToPosePoints(std::move(grasp), bag, view, config);
-  observation.place_points = ToPosePoints(std::move(place), bag, view, config);
-  observation.edge_points = ToPosePoints(std::move(edge), bag, view, config);
+  const cv::Mat cloth = ShownCloth(bag, cube, view);
+  observation.grasp_points = ToPosePoints(std::move(grasp), cloth, view, config);
+  observation.place_points = ToPosePoints(std::move(place), cloth, view, config);
+  observation.edge_points = ToPosePoints(std::move(edge), cloth, view, config);
 }
 
 void AddWarnings(const View& view, const std::optional<BagBody>& bag, Observation& observation) {
@@ -209,7 +232,7 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
     observation.bag_at_border = bag->at_border;
     observation.A_bag = bag->area_px2;
     for (const Label& label :
-         FindLabels(masks.label, bag->mask, 2 * thresholds.labels_per_layer, config)) {
+         FindLabels(masks.label_cover, bag->mask, 2 * thresholds.labels_per_layer, config)) {
       observation.labels.push_back(label.centroid + cv::Point2d(view.roi.tl()));
     }
     observation.mouth_seen = static_cast<int>(observation.labels.size()) >= kLabelsOfMouth;
@@ -234,7 +257,7 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
   observation.state = classified.state;
   observation.cube_hidden = classified.cube_hidden;
 
-  if (bag) AddPosePoints(*bag, view, config, observation);
+  if (bag) AddPosePoints(*bag, blob, view, config, observation);
   AddWarnings(view, bag, observation);
   return observation;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace gusset {
 namespace {
@@ -41,12 +42,57 @@ TEST(FindLabels, AGlintDoesNotMakeTwoOfOne) {
   EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), 1u);
 }
 
+// Three columns and eight rows that a label covers by half are twelve pixels of label; by 0.4, less
+// than the ten that count.
+TEST(FindLabels, PartsOfPixelsCountAsParts) {
+  Masks masks;
+  const cv::Rect sliver(60, 60, 3, 8);
+  masks.label(sliver) = 128;
+  const std::vector<Label> labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_NEAR(labels[0].area_px2, 12, 0.1);
+  EXPECT_NEAR(labels[0].centroid.x, 61, 1e-9);
+  EXPECT_NEAR(labels[0].centroid.y, 63.5, 1e-9);
+  masks.label(sliver) = 102;
+  EXPECT_TRUE(FindLabels(masks.label, masks.bag, 10, kConfig).empty());
+}
+
+// The soft edge beside a spot is part of its label: columns covered by 0.25, 1, 1 and 0.75 are
+// three wide, and their middle lies where that of the label is, a quarter to the right.
+TEST(FindLabels, TheSoftEdgeCounts) {
+  Masks masks;
+  masks.label(cv::Rect(59, 60, 1, 8)) = 64;
+  masks.label(cv::Rect(60, 60, 2, 8)) = 255;
+  masks.label(cv::Rect(62, 60, 1, 8)) = 191;
+  const std::vector<Label> labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_NEAR(labels[0].area_px2, 24, 0.05);
+  EXPECT_NEAR(labels[0].centroid.x, (0.25 * 59 + 60 + 61 + 0.75 * 62) / 3, 0.01);
+}
+
+// What is left of two labels where a bag's corner folds: slivers two pixels apart.
+TEST(FindLabels, SliversSideBySideAreTwo) {
+  Masks masks;
+  masks.label(cv::Rect(60, 60, 3, 7)) = 255;
+  masks.label(cv::Rect(65, 64, 3, 6)) = 255;
+  EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), 2u);
+}
+
+// A rectangle of n pixels has the length sqrt(n^2 - 1) by its second moment.
+TEST(FindLabels, OneLongerThanALabelIsTwo) {
+  for (const auto& [length, count] : {std::pair(8, 1u), {9, 1u}, {10, 2u}, {11, 2u}}) {
+    Masks masks;
+    masks.label(cv::Rect(60, 60, 7, length)) = 255;
+    EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), count) << length;
+  }
+}
+
 TEST(FindLabels, KeepsNoMoreThanTheBagHas) {
   Masks masks;
-  for (int k = 0; k < 8; ++k) masks.label(cv::Rect(60 + 20 * k, 60, 4 + k, 4)) = 255;
+  for (int k = 0; k < 8; ++k) masks.label(cv::Rect(60 + 20 * k, 60, 2 + k, 5)) = 255;
   const std::vector<Label> labels = FindLabels(masks.label, masks.bag, 6, kConfig);
   ASSERT_EQ(labels.size(), 6u);
-  EXPECT_EQ(labels.back().area_px2, 24);
+  EXPECT_EQ(labels.back().area_px2, 20);
 }
 
 // A layer's label of 7 x 8 px and the other layer's beside it, in any direction: two, each at its

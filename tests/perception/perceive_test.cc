@@ -81,6 +81,34 @@ TEST(Perceive, TheFourTaskStatesHaveTheirPosePoints) {
   }
 }
 
+TEST(Perceive, GraspPointsInS3KeepOffTheCube) {
+  const RgbdFrame frame = FrameOf(3);
+  const Observation o = Look(frame);
+  ASSERT_EQ(o.grasp_points.size(), 81u);
+  for (const PosePoint& point : o.grasp_points) {
+    // The cube's face is 21 px wide, and a point keeps 4 px off what is no cloth.
+    const cv::Point2d off = point.px - o.cube->px;
+    EXPECT_GE(std::max(std::abs(off.x), std::abs(off.y)), 10.5 + kConfig.point_inset_px - 1);
+  }
+}
+
+// Two rows of labels, 14 px apart: cells are a third of that, and the outer ones' centres 2.3 px
+// from the row, on the lip.
+TEST(Perceive, PlacePointsKeepOffTheLips) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(frame, {}, 0);
+  synthetic::DrawCube(frame, {566, 240});
+  for (const double x : {-64, -32, 0, 32, 64}) {
+    synthetic::DrawLabel(frame, {}, {x, -90});
+    synthetic::DrawLabel(frame, {}, {x + 1, -76});
+  }
+  const Observation o = Look(frame);
+  ASSERT_EQ(o.state, State::kOpen);
+  for (const PosePoint& point : o.place_points) {
+    EXPECT_NEAR(point.px.y, 240 - 83, 7 - kConfig.label_inset_px + 1);
+  }
+}
+
 TEST(Perceive, WithoutBagItIsSuccessOrFail) {
   RgbdFrame frame = synthetic::EmptyTable();
   const Observation nothing = Look(frame);

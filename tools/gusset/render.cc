@@ -45,6 +45,8 @@ int DifferentPixels(const cv::Mat& a, const cv::Mat& b) {
   return cv::countNonZero(a_shown != b_shown);
 }
 
+bool Same(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) == 0; }
+
 // Labelled frames: worlds reached by physics, from the starts and by the actions of a policy, kept
 // when ground truth says that the state is one that is asked for.
 class RenderCommand final : public Command {
@@ -192,7 +194,8 @@ class RenderCommand final : public Command {
     for (int look = 1; look < looks_; ++look) {
       const auto k = static_cast<std::uint64_t>(look);
       environment.Begin(world, DeriveSeed(DeriveSeed(seed_, "render look", k), "world", index));
-      Keep(environment, truth, look, labels);
+      // What varies may take labels away, and with them A_o and the state.
+      Keep(environment, environment.testbed().Describe(), look, labels);
     }
     if (looks_ > 1) environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
     ++worlds_;
@@ -204,19 +207,21 @@ class RenderCommand final : public Command {
     const std::string state = "s" + std::to_string(truth.truth.state);
     char stem[48];
     std::snprintf(stem, sizeof stem, "%s_%05d", state.c_str(), written_[truth.truth.state]++);
-    char surface[48];
-    std::snprintf(surface, sizeof surface, "surface_%05d.png", worlds_);
     const std::filesystem::path path = std::filesystem::path(out_) / stem;
     WriteImage(path.string() + ".png", frame.color);
     WriteImage(path.string() + "_depth.png", frame.depth_mm);
     if (look == 0) {
       WriteImage(path.string() + "_overlay.png", DrawOverlay(frame, seen));
-      WriteImage(std::filesystem::path(out_) / surface, truth.surface);
+    }
+    if (look == 0 || !Same(truth.surface, surface_)) {
+      surface_ = truth.surface;
+      std::snprintf(surface_name_.data(), surface_name_.size(), "surface_%05d.png", surfaces_++);
+      WriteImage(std::filesystem::path(out_) / surface_name_.data(), surface_);
     }
     const nlohmann::ordered_json label = {
         {"file", std::string(stem) + ".png"},
         {"depth", std::string(stem) + "_depth.png"},
-        {"surface", surface},
+        {"surface", surface_name_.data()},
         {"world", worlds_},
         {"state", state},
         {"state_seen", StateName(seen.state)},
@@ -244,6 +249,9 @@ class RenderCommand final : public Command {
   std::array<int, kStates> written_{};  ///< Frames, per state.
   int frames_ = 0;
   int worlds_ = 0;
+  cv::Mat surface_;                      ///< The last one that was written,
+  std::array<char, 48> surface_name_{};  ///< its file,
+  int surfaces_ = 0;                     ///< and how many were.
 };
 
 }  // namespace

@@ -1,0 +1,52 @@
+#include "perception/color_masks.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/perception/synthetic_frame.h"
+
+namespace gusset {
+namespace {
+
+const PerceptionConfig kConfig;
+
+ColorMasks MasksOf(const RgbdFrame& frame) {
+  return ThresholdColors(MakeView(frame, synthetic::Camera(), kConfig), kConfig);
+}
+
+// Pixels of the region of interest at which cloth and label are mixed.
+constexpr int kMixedRow = 170;
+RgbdFrame MixedFrame(double gain) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(frame);
+  for (int tenth = 0; tenth <= 10; ++tenth) {
+    const double share = 0.1 * tenth;
+    frame.color.at<cv::Vec3b>(kMixedRow + kConfig.roi_y, 140 + 5 * tenth + kConfig.roi_x) =
+        cv::Vec3d(synthetic::kCloth[0], synthetic::kCloth[1], synthetic::kCloth[2]) * (1 - share) +
+        cv::Vec3d(synthetic::kLabel[0], synthetic::kLabel[1], synthetic::kLabel[2]) * share;
+  }
+  synthetic::Light(frame, gain, 0, 1);
+  return frame;
+}
+
+// Saturation is 1 - min/max: linear in the mixture but for what the greatest channel changes, from
+// 209 to 196, and that the greatest one is red for cloth and green for a label: 0.03 each. Eight
+// bits of a weaker light add 0.01.
+TEST(ColorMasks, CoverIsTheShareOfALabelInAPixelWhateverTheLight) {
+  for (const double gain : {1.0, 0.7}) {
+    const ColorMasks masks = MasksOf(MixedFrame(gain));
+    for (int tenth = 0; tenth <= 10; ++tenth) {
+      EXPECT_NEAR(masks.label_cover.at<uchar>(kMixedRow, 140 + 5 * tenth) / 255., 0.1 * tenth, 0.07)
+          << gain;
+    }
+  }
+}
+
+TEST(ColorMasks, NothingCoversClothCubeAndCanvas) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(frame, {}, 0);
+  synthetic::DrawCube(frame, {320, 240});
+  EXPECT_EQ(cv::countNonZero(MasksOf(frame).label_cover > 10), 0);
+}
+
+}  // namespace
+}  // namespace gusset
