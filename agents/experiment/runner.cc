@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "agents/experiment/commands.h"
+#include "agents/experiment/journal.h"
 #include "agents/run_folder.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -202,13 +203,18 @@ class Runner {
 
   void Try(Unit& unit, TrialRecord& record) {
     ExperimentRig::Subject subject = rig_.Open(*unit.training, *unit.cell, FolderOf(unit));
+    const fs::path journal = fs::path(FileOf(unit)).replace_extension("journal");
     Workers workers(1, [&] {
-      return std::make_unique<CountingEnvironment>(subject.environments(), unit.count);
+      return std::make_unique<JournalEnvironment>(
+          std::make_unique<CountingEnvironment>(subject.environments(), unit.count), journal,
+          subject.versions.dump());
     });
     record = RunTrial(workers, *subject.agent, TrialOf(unit), [this] { return Stop(); });
     record.versions = subject.versions;
     MakeFolder(FileOf(unit).parent_path());
     WriteTrial(FileOf(unit), TrialOf(unit), record);
+    std::error_code ignored;  // it is of no more use, and does no harm
+    fs::remove_all(journal, ignored);
   }
 
   std::string Ending(const Unit& unit) const {

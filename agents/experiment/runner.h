@@ -88,7 +88,8 @@ struct ExperimentResult {
 ///
 ///   results.csv                 the result set
 ///   trainings/NAME-seedN/       run folders
-///   trials/CELL-seedN/*.json    folded, unfolded, attempts
+///   trials/CELL-seedN/*.json    folded, unfolded, attempts; *.journal/ of those not finished: what
+///                               their actions led to, so that no action is done twice
 ///
 /// @param report  called on the caller's thread, about once a second and after each unit.
 /// @throws InputError if something in the folder is not of this plan, RunError if `stop` becomes

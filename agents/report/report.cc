@@ -32,7 +32,41 @@ ordered_json BandJson(const Band& band) {
   return {{"mean", band.mean}, {"low", band.low}, {"high", band.high}};
 }
 
-ordered_json EvaluationJson(const EvaluationData& data) {
+// Of Estimate or PublishedCell.
+template <class Value>
+ordered_json EstimateJson(const std::optional<Value>& estimate) {
+  if (!estimate) return nullptr;
+  ordered_json json = {{"value", estimate->value}, {"low", nullptr}, {"high", nullptr}};
+  if (estimate->low) json["low"] = *estimate->low;
+  if (estimate->high) json["high"] = *estimate->high;
+  return json;
+}
+
+// The row of the thesis's tables that a training is a repetition of; empty if of none.
+std::string ThesisRow(const TrainConfig& train) {
+  if (train.bag != "bag1" || !train.affordances) return "";
+  if (train.agent == "pi") return "pi" + std::to_string(train.steps);
+  return train.steps == 100 ? train.agent : "";
+}
+
+// One for each state, of columns step1 to step4.
+ordered_json PublishedSteps(const Published& published, const std::string& table,
+                            const std::string& row) {
+  ordered_json steps = ordered_json::array();
+  for (int s = 1; s <= kActingStates; ++s) {
+    steps.push_back(EstimateJson(published.Find(table, row, "step" + std::to_string(s))));
+  }
+  return steps;
+}
+
+ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train,
+                            const Published& published) {
+  // Table 5.7 has the policy of Bag 1 on other bags.
+  const std::string row = ThesisRow(train);
+  const bool own_bag = data.bag == train.bag;
+  const bool known = data.pose == "near" && (own_bag || row == "pi100");
+  const std::string table = !known ? "" : own_bag ? "5.6" : "5.7";
+  const std::string of = own_bag ? row : data.bag;
   ordered_json steps = ordered_json::array();
   for (const StateTally& tally : data.per_step) {
     steps.push_back(Rate(tally.successes, tally.attempts));
@@ -42,7 +76,9 @@ ordered_json EvaluationJson(const EvaluationData& data) {
           {"pose", data.pose},
           {"success", Rate(data.true_successes, data.episodes)},
           {"perceived_successes", data.perceived_successes},
-          {"per_step", steps}};
+          {"per_step", steps},
+          {"published_success", EstimateJson(published.Find(table, of, data.start))},
+          {"published_per_step", PublishedSteps(published, table, of)}};
 }
 
 ordered_json MapsJson(const RunData& run) {
@@ -66,7 +102,7 @@ void WarnOfDoubles(const RunGroup& group) {
   }
 }
 
-ordered_json GroupJson(const RunGroup& group) {
+ordered_json GroupJson(const RunGroup& group, const Published& published) {
   ordered_json json = {{"label", group.label},
                        {"protocol", group.runs[0]->train.protocol},
                        {"seeds", ordered_json::array()},
@@ -76,6 +112,8 @@ ordered_json GroupJson(const RunGroup& group) {
                        {"training", ordered_json::array()},
                        {"evaluations", ordered_json::array()},
                        {"maps", ordered_json::array()}};
+  const TrainConfig& train = group.runs[0]->train;
+  json["published_rewards"] = PublishedSteps(published, "5.5", ThesisRow(train));
   int actions = 0;
   double sim_s = 0;
   for (const RunData* run : group.runs) {
@@ -101,16 +139,8 @@ ordered_json GroupJson(const RunGroup& group) {
     json["training"].push_back(Rate(tally.successes, tally.attempts));
   }
   for (const EvaluationData& data : PooledEvaluations(group)) {
-    json["evaluations"].push_back(EvaluationJson(data));
+    json["evaluations"].push_back(EvaluationJson(data, train, published));
   }
-  return json;
-}
-
-ordered_json EstimateJson(const std::optional<Estimate>& estimate) {
-  if (!estimate) return nullptr;
-  ordered_json json = {{"value", estimate->value}, {"low", nullptr}, {"high", nullptr}};
-  if (estimate->low) json["low"] = *estimate->low;
-  if (estimate->high) json["high"] = *estimate->high;
   return json;
 }
 
@@ -169,7 +199,7 @@ std::vector<fs::path> WithSubfolders(const fs::path& folder) {
 
 }  // namespace
 
-ordered_json CollectReport(const std::vector<fs::path>& folders) {
+ordered_json CollectReport(const std::vector<fs::path>& folders, const Published& published) {
   std::vector<RunData> runs;
   std::vector<Film> films;
   ordered_json tables = ordered_json::array();
@@ -198,7 +228,7 @@ ordered_json CollectReport(const std::vector<fs::path>& folders) {
       {"groups", ordered_json::array()}, {"tables", tables}, {"films", ordered_json::array()}};
   for (const RunGroup& group : GroupRuns(runs)) {
     WarnOfDoubles(group);
-    report["groups"].push_back(GroupJson(group));
+    report["groups"].push_back(GroupJson(group, published));
   }
   for (const Film& film : OneOfEachKind(std::move(films))) {
     report["films"].push_back(FilmJson(film));

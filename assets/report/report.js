@@ -50,11 +50,12 @@ function bar({value, low, high}) {
 }
 
 // {successes, n, low, high}
-function rate(r) {
-  if (r.n === 0) return element('td', {}, '–');
-  return element('td', {class: 'number'},
-      estimate({value: r.successes / r.n, low: r.low, high: r.high}, 'rate', 'ours',
+function rate(r, published = null) {
+  const td = element('td', {class: 'number'}, r.n === 0 ? '–'
+      : estimate({value: r.successes / r.n, low: r.low, high: r.high}, 'rate', 'ours',
           `${r.successes} of ${r.n}`));
+  if (published) td.append(estimate(published, 'rate', 'thesis'));
+  return td;
 }
 
 // ---- charts
@@ -134,7 +135,7 @@ function drawTraining(groups) {
   section('Rewards and success in training',
       'Mean reward of the learnt steps (with several seeds: lowest and highest seed), and how many ' +
       'led to a later state, as the camera saw it, with 95 % Wilson intervals. Training explores: ' +
-      'this is not how good the policy is.');
+      'this is not how good the policy is. The thesis gives rewards alone (Table 5.5).');
   page.append(table(['group', ...STATES.slice(0, 4)], groups.map(g => [
     g.label, ...g.training.map((r, s) => {
       const cell = rate(r);
@@ -142,6 +143,8 @@ function drawTraining(groups) {
       if (mean.length === 0) return cell;
       const range = g.seeds.length > 1 ? ` (${low[0].toFixed(3)} to ${high[0].toFixed(3)})` : '';
       cell.prepend(element('div', {}, `reward ${mean[0].toFixed(3)}${range}`));
+      const published = g.published_rewards[s];
+      if (published) cell.append(estimate(published, 'reward', 'thesis'));
       return cell;
     }),
   ])));
@@ -149,13 +152,15 @@ function drawTraining(groups) {
 
 function drawEvaluations(groups) {
   const rows = groups.flatMap(g => g.evaluations.map(e => [
-    g.label, `${e.bag}, ${e.start}, ${e.pose}`, rate(e.success), String(e.perceived_successes),
-    ...e.per_step.map(rate),
+    g.label, `${e.bag}, ${e.start}, ${e.pose}`, rate(e.success, e.published_success),
+    String(e.perceived_successes),
+    ...e.per_step.map((r, s) => rate(r, e.published_per_step[s])),
   ]));
   if (rows.length === 0) return;
   section('Evaluations',
       'Greedy policy, all seeds together. Success of the whole task by ground truth; of a step: ' +
-      'actions that led to a later state, as the camera saw it. 95 % Wilson intervals.');
+      'actions that led to a later state, as the camera saw it. 95 % Wilson intervals; the ' +
+      'thesis\'s (Tables 5.6 and 5.7) are out of 10.');
   page.append(table(['group', 'bag, start, pose', 'whole task', 'as the camera saw it',
     ...STATES.slice(0, 4)], rows));
 }

@@ -175,6 +175,7 @@ TEST(Config, ANestedSectionMakesItsParentsKnown) {
   tree.Parse("[sim.cloth]\nfriction = 0.3", "a.toml");
   EXPECT_TRUE(tree.Has("sim"));
   EXPECT_TRUE(tree.Has("sim.cloth"));
+  EXPECT_TRUE(tree.Has("sim.cloth.friction"));
   EXPECT_FALSE(tree.Has("sim.clo"));
   Cloth cloth;
   tree.Read("sim.cloth", cloth);

@@ -30,7 +30,9 @@ class ReportCommand final : public Command {
     CheckWritable(out_);
     // A report depends on no setting; mistakes in those given are told all the same.
     if (!common_.config_files.empty() || !common_.assignments.empty()) LoadSettings(common_, {});
-    const std::string page = FillPage("report", CollectReport({folders_.begin(), folders_.end()}));
+    const Published published = Published::Load(AssetsFolder() / "published" / "thesis.toml");
+    const std::string page =
+        FillPage("report", CollectReport({folders_.begin(), folders_.end()}, published));
     WriteFileAtomic(out_, page);
     std::cout << out_ << ": " << (page.size() + 1023) / 1024 << " KiB" << std::endl;
   }

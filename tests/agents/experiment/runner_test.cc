@@ -44,13 +44,17 @@ class TableRig final : public ExperimentRig {
     auto agent = std::make_unique<PiLearning>(NewAgent(plan));
     LoadPolicy(PolicyFile(folder), *agent);
     return {std::move(agent),
-            [this] { return std::make_unique<TableWorld>(crash_at_); },
+            [this] {
+              return std::make_unique<CountingEnvironment>(std::make_unique<TableWorld>(crash_at_),
+                                                           tried);
+            },
             {{"table", "1"}}};
   }
 
   std::string never;   // a training that cannot be finished ...
   int never_from = 0;  // ... with seeds from this one on
   std::atomic<int> trained = 0, checked = 0, opened = 0;
+  std::atomic<int> tried = 0;  // actions of trials
 
  private:
   static PiLearning NewAgent(const TrainingPlan& plan) {
@@ -279,6 +283,10 @@ TEST_F(ExperimentTest, AnInterruptedExperimentEndsLikeAnUnbrokenOne) {
   }
   EXPECT_GT(interruptions, 3);
   EXPECT_EQ(Comparable(dir_ / "unbroken"), Comparable(out));
+  EXPECT_EQ(rig.tried, unbroken.tried) << "what a trial has done is not done again";
+  for (const auto& one : std::filesystem::recursive_directory_iterator(out / "trials")) {
+    EXPECT_NE(one.path().extension(), ".journal") << "of no more use";
+  }
 }
 
 TEST_F(ExperimentTest, WhatIsFinishedIsNotDoneAgain) {

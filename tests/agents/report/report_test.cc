@@ -18,6 +18,8 @@ using nlohmann::ordered_json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+const Published kNothing;
+
 class Report : public FolderTest {
  protected:
   fs::path Trained(const std::string& name, TrainConfig config) {
@@ -93,14 +95,43 @@ TEST_F(Report, SeedsOfAnExperimentBecomeOneGroupBesideItsTables) {
                   "table,row,column,seed,n,successes,value,low,high,published,published_low,"
                   "published_high,unit,seconds_wall,seconds_sim,command,versions\n"
                   "5.6,pi,step1,pooled,4,3,0.75,0.3,0.95,0.7,0.4,0.9,rate,1,2,c,v\n");
-  const ordered_json report = CollectReport({dir_ / "exp"});
+  const ordered_json report = CollectReport({dir_ / "exp"}, kNothing);
   ASSERT_EQ(report["groups"].size(), 1u);
   EXPECT_THAT(report["groups"][0]["seeds"], ElementsAre(1, 2));
   EXPECT_EQ(report["groups"][0]["curves"][3]["mean"].size(), 5u);
   EXPECT_EQ(report["groups"][0]["training"][0]["n"], 10);
   EXPECT_EQ(report["tables"][0]["cells"][0]["ours"]["value"], 0.75);
   EXPECT_EQ(report["tables"][0]["cells"][0]["published"]["low"], 0.4);
-  EXPECT_EQ(CollectReport({a})["tables"].size(), 0u);
+  EXPECT_EQ(CollectReport({a}, kNothing)["tables"].size(), 0u);
+}
+
+TEST_F(Report, TheThesissFiguresStandBesideItsLearners) {
+  const Published thesis =
+      Published::Load(fs::path(GUSSET_SOURCE_DIR) / "assets" / "published" / "thesis.toml");
+  const fs::path run = Trained("pi10", {.steps = 10});
+  const ordered_json tally = {{"attempts", 4}, {"successes", 3}};
+  ordered_json evaluation = {{"bag", "bag1"},
+                             {"start", "folded"},
+                             {"pose", "near"},
+                             {"episodes", 4},
+                             {"true_successes", 2},
+                             {"perceived_successes", 2},
+                             {"per_step", {tally, tally, tally, tally}}};
+  WriteFileAtomic(run / "evaluation_folded.json", evaluation.dump());
+  evaluation["pose"] = "any";
+  WriteFileAtomic(run / "evaluation_pose.json", evaluation.dump());
+  const ordered_json group = CollectReport({run}, thesis)["groups"][0];
+  EXPECT_EQ(group["published_rewards"][1]["value"], 0.014) << "Table 5.5, Ours(10)";
+  ASSERT_EQ(group["evaluations"].size(), 2u);
+  for (const ordered_json& one : group["evaluations"]) {
+    const bool near = one["pose"] == "near";
+    EXPECT_EQ(one["published_success"].is_null(), !near) << "the thesis has none of this pose";
+    if (!near) continue;
+    EXPECT_EQ(one["published_success"]["value"], 0.0) << "Table 5.6, Ours(10)";
+    EXPECT_EQ(one["published_per_step"][3]["value"], 0.6);
+  }
+  const fs::path other = Trained("pi6", {.steps = 6});
+  EXPECT_TRUE(CollectReport({other}, thesis)["groups"][0]["published_rewards"][1].is_null());
 }
 
 TEST_F(Report, OneFilmOfEachKindAndSuccessesFirst) {
@@ -133,10 +164,12 @@ TEST_F(Report, OneFilmOfEachKindAndSuccessesFirst) {
 
 TEST_F(Report, BrokenFilesAreNamed) {
   const fs::path run = Trained("run", {.steps = 2});
-  const auto refusal = [&] { return Refusal([&] { (void)CollectReport({run}); }); };
+  const auto refusal = [&] { return Refusal([&] { (void)CollectReport({run}, kNothing); }); };
   EXPECT_EQ(refusal(), "accepted");
-  EXPECT_THAT(Refusal([&] { (void)CollectReport({dir_ / "none"}); }), HasSubstr("is not a folder"));
-  EXPECT_THAT(Refusal([&] { (void)CollectReport({dir_}); }), HasSubstr("holds neither a run"));
+  EXPECT_THAT(Refusal([&] { (void)CollectReport({dir_ / "none"}, kNothing); }),
+              HasSubstr("is not a folder"));
+  EXPECT_THAT(Refusal([&] { (void)CollectReport({dir_}, kNothing); }),
+              HasSubstr("holds neither a run"));
 
   const std::string steps = ReadFile(run / "steps.jsonl");
   WriteFileAtomic(run / "steps.jsonl", steps + "{\"state\": 4}\n");
