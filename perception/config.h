@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "base/config.h"
@@ -34,11 +35,20 @@ struct PerceptionConfig {
   /// several. Tuned 2026-11 on 118 rendered frames: single labels up to 8.6 px, two that touch 8.9
   /// to 17.7 (once 7.9).
   double label_length_px = 9.2;
-  double label_inset_px = 4;   ///< A label's middle lies so far inside the rim: half of 14 mm.
-  double rim_reach_px = 20;    ///< Cloth around a label within this tells where the rim is.
-  double cube_min_px2 = 90;    ///< A fifth of the cube's face (408).
-  double cube_max_px2 = 1500;  ///< The cube seen from the side covers 650.
-  double point_inset_px = 4;   ///< Pose points stay this far inside the cloth's edge.
+  double label_inset_px = 4;  ///< A label's middle lies so far inside the rim: half of 14 mm.
+  /// What the mouth is found by: its labels, or the hem of its lips in depth and shading
+  /// (mouth_by_depth.h), for bags that have none. What follows was tuned with that file.
+  std::string mouth = "labels";
+  double hem_min_px = 4;   ///< A hem's width, 12 mm: 6.9 px; less where the cloth is tilted,
+  double hem_max_px = 9;   ///< more where it is near the camera.
+  double hem_dip = 0.010;  ///< Its stitching is darker than both sides by at least this share.
+  double hem_step_mm = 2;  ///< At a lip on the bag, depth falls by at least this.
+  double hem_min_length_px = 12;  ///< Shorter pieces are chance.
+  double hem_spacing_px = 15;     ///< One point per so much of a lip.
+  double rim_reach_px = 20;       ///< Cloth around a label within this tells where the rim is.
+  double cube_min_px2 = 90;       ///< A fifth of the cube's face (408).
+  double cube_max_px2 = 1500;     ///< The cube seen from the side covers 650.
+  double point_inset_px = 4;      ///< Pose points stay this far inside the cloth's edge.
 
   double edge_cone_deg = 25;  ///< In s0 a grasp is at the bag's edge this near a pose point's side,
   double edge_inset_px = 9;   ///< 15 mm inside it (docs/experiments.md),
@@ -69,6 +79,13 @@ struct PerceptionConfig {
     v("label_min_px2", label_min_px2, Range{1, 1e4});
     v("label_length_px", label_length_px, Range{3, 100});
     v("label_inset_px", label_inset_px, Range{0, 50});
+    v("mouth", mouth, {"labels", "depth"});
+    v("hem_min_px", hem_min_px, Range{1, 12});
+    v("hem_max_px", hem_max_px, Range{1, 10});
+    v("hem_dip", hem_dip, Range{0.001, 0.5});
+    v("hem_step_mm", hem_step_mm, Range{0.5, 100});
+    v("hem_min_length_px", hem_min_length_px, Range{1, 500});
+    v("hem_spacing_px", hem_spacing_px, Range{5, 500});
     v("rim_reach_px", rim_reach_px, Range{3, 100});
     v("cube_min_px2", cube_min_px2, Range{1, 1e5});
     v("cube_max_px2", cube_max_px2, Range{1, 1e5});

@@ -63,7 +63,8 @@ struct Observation {
   std::array<cv::Point2d, 4> corners;
   std::optional<Rim> rim;  ///< Set where corners count from the rim.
 
-  std::vector<cv::Point2d> labels;             ///< Centroids, px.
+  /// Centroids, px; with perception.mouth = "depth" points of hem in their place.
+  std::vector<cv::Point2d> labels;
   PosePoint opening_centre;                    ///< Centroid of the union; of the labels if A_o = 0.
   double opening_radius_px = 0;                ///< sqrt(A_o / pi).
   std::array<cv::Point2d, 4> opening_corners;  ///< Quadrilateral of the labels; only in s2.

@@ -11,6 +11,7 @@
 #include "perception/cube.h"
 #include "perception/depth.h"
 #include "perception/labels.h"
+#include "perception/mouth_by_depth.h"
 #include "perception/opening_area.h"
 #include "perception/outline.h"
 #include "perception/pose_points.h"
@@ -69,6 +70,22 @@ cv::Mat ShownCloth(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
   cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{cube->contour}, 0, cv::LINE_8, 0,
                -view.roi.tl());
   return mask;
+}
+
+/// Points of the mouth's lips: its labels, or what stands for them on a bag without.
+std::vector<cv::Point2d> FindMouth(const View& view, const ColorMasks& masks, const BagBody& bag,
+                                   int most, const PerceptionConfig& config) {
+  std::vector<cv::Point2d> points;
+  if (config.mouth == "depth") {
+    const cv::Mat depth = view.frame.depth_mm.empty() ? cv::Mat() : view.frame.depth_mm(view.roi);
+    points = FindLipPoints(view.frame.color(view.roi), depth, bag.mask, 2 * most, config);
+  } else {
+    for (const Label& label : FindLabels(masks.label_cover, bag.mask, most, config)) {
+      points.push_back(label.centroid);
+    }
+  }
+  for (cv::Point2d& point : points) point += cv::Point2d(view.roi.tl());
+  return points;
 }
 
 bool IsInMouth(const CubeSeen& cube, const std::vector<cv::Point2d>& labels, double cube_width) {
@@ -231,10 +248,7 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
     observation.bag_seen = true;
     observation.bag_at_border = bag->at_border;
     observation.A_bag = bag->area_px2;
-    for (const Label& label :
-         FindLabels(masks.label_cover, bag->mask, 2 * thresholds.labels_per_layer, config)) {
-      observation.labels.push_back(label.centroid + cv::Point2d(view.roi.tl()));
-    }
+    observation.labels = FindMouth(view, masks, *bag, 2 * thresholds.labels_per_layer, config);
     observation.mouth_seen = static_cast<int>(observation.labels.size()) >= kLabelsOfMouth;
     const Opening opening = MeasureOpening(observation.labels);
     observation.A_o = opening.area_px2;

@@ -265,6 +265,7 @@ RgbdFrame SimScene::Look(const CameraModel& camera) {
   view.cloth.rgb = look_.bag_rgb;
   view.cloth.label_rgb = look_.label_rgb;
   for (const BagLabel& l : labels_) {
+    if (!config_.variation.labels_drawn) break;
     view.cloth.labels.push_back({l.u0, l.u1, l.v0, l.v1, l.layer});
   }
   return renderer_.Render(view, camera);

@@ -79,6 +79,9 @@ class SimScene : public ScenePort, public CameraPort {
   std::string gl_renderer() const { return renderer_.gl_renderer(); }
   /// From now on calls `callback` after every period_s of simulated time.
   void Watch(double period_s, std::function<void()> callback);
+  /// From now on the bag is drawn with its labels or without, as variation.labels_drawn says at
+  /// first. labels() and all else stay as they are.
+  void DrawLabels(bool drawn) { config_.variation.labels_drawn = drawn; }
   /// The start that Reset uses, made or found in the cache.
   Start MakeStart(StartKind kind, std::uint64_t seed) const;
 

@@ -28,6 +28,8 @@ struct VariationConfig {
   int labels_missing = 1;      ///< Labels fewer per layer, but three at least remain.
   double canvas_colour = 0.3;  ///< As a share. Its folds lie elsewhere, too.
   int clutter = 4;             ///< Blocks on the table outside the region of interest.
+  /// False, at any amount: no labels are drawn. Ground truth still goes by where they would be.
+  bool labels_drawn = true;
 
   template <class V>
   void Fields(V& v) {
@@ -45,6 +47,7 @@ struct VariationConfig {
     v("labels_missing", labels_missing, {0, 17});
     v("canvas_colour", canvas_colour, {0, 1});
     v("clutter", clutter, {0, 20});
+    v("labels_drawn", labels_drawn);
   }
 };
 

@@ -10,6 +10,7 @@
 #include "perception/calibrate.h"
 #include "perception/depth.h"
 #include "perception/labels.h"
+#include "perception/mouth_by_depth.h"
 #include "perception/opening_area.h"
 #include "perception/outline.h"
 #include "perception/overlay.h"
@@ -80,8 +81,8 @@ std::vector<cv::Point_<T>> As(const std::vector<cv::Point2d>& points) {
 }
 
 void CallOne(Bytes bytes) {
-  const PerceptionConfig config;
-  const int which = bytes.Below(12);
+  PerceptionConfig config;
+  const int which = bytes.Below(13);
   switch (which) {
     case 0:
     case 1:
@@ -92,6 +93,7 @@ void CallOne(Bytes bytes) {
       CameraModel camera = OverheadCamera({}, 1.066);
       if (bytes.Byte() % 4 == 0) camera.pinhole.fx = bytes.Number();
       if (bytes.Byte() % 4 == 0) camera.X_WC.translation().z() = bytes.Number();
+      if (which == 2) config.mouth = "depth";
       const Observation seen = Perceive(frame, camera, config, BagThresholds());
       (void)DrawOverlay(frame, seen);
       (void)CalibrateThresholds({seen, seen, seen}, 5);
@@ -135,6 +137,13 @@ void CallOne(Bytes bytes) {
       View view;
       view.frame.depth_mm = cv::Mat(bytes.Below(50), bytes.Below(50), CV_16UC1, cv::Scalar(1000));
       (void)Deproject(view, bytes.Point(), config);
+      return;
+    }
+    case 12: {
+      const cv::Mat color = bytes.Image();
+      const cv::Mat depth = bytes.Image();
+      (void)FindLipPoints(color, bytes.Byte() % 2 == 0 ? depth : cv::Mat(), bytes.Image(),
+                          bytes.Below(40), config);
       return;
     }
   }

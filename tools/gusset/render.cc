@@ -70,6 +70,8 @@ class RenderCommand final : public Command {
     app.add_option("--policy", policy_, "Who acts on the way to the state")->capture_default_str();
     app.add_flag("--vary", vary_,
                  "Vary light, camera, colours, labels and clutter: variation.amount = 1");
+    app.add_flag("--plain", plain_,
+                 "Keep frames of the same bags with no labels drawn; who acts still sees them");
     common_.AddTo(app);
   }
 
@@ -190,6 +192,11 @@ class RenderCommand final : public Command {
   // The look that was just had, and further ones at the same world; the world is then as it was.
   void KeepLooks(TestbedEnv& environment, const Snapshot& world, const FrameTruth& truth,
                  std::uint64_t index, LineLog& labels) {
+    const std::uint64_t first = DeriveSeed(seed_, "render sensor", index);
+    if (plain_) {
+      environment.testbed().DrawLabels(false);
+      environment.Begin(world, first);
+    }
     Keep(environment, truth, 0, labels);
     for (int look = 1; look < looks_; ++look) {
       const auto k = static_cast<std::uint64_t>(look);
@@ -197,7 +204,8 @@ class RenderCommand final : public Command {
       // What varies may take labels away, and with them A_o and the state.
       Keep(environment, environment.testbed().Describe(), look, labels);
     }
-    if (looks_ > 1) environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
+    if (plain_) environment.testbed().DrawLabels(true);
+    if (plain_ || looks_ > 1) environment.Begin(world, first);
     ++worlds_;
   }
 
@@ -244,6 +252,7 @@ class RenderCommand final : public Command {
   std::string out_;
   std::optional<std::string> bag_;
   bool vary_ = false;
+  bool plain_ = false;
   std::string policy_ = "random";
   std::array<int, kStates> missing_{};  ///< Bags still to be shown, per state.
   std::array<int, kStates> written_{};  ///< Frames, per state.

@@ -46,6 +46,7 @@ class SimTestbed : public Testbed {
             .toRotationMatrix();
     world.SetCube(cube);
   }
+  void DrawLabels(bool drawn) override { scene_.DrawLabels(drawn); }
   RgbdFrame ObliqueLook() override { return scene_.Look(ObliqueCamera()); }
   void Watch(double period_s, std::function<void()> callback) override {
     scene_.Watch(period_s, std::move(callback));

@@ -29,6 +29,9 @@ class Testbed {
   /// away, out of the frame, and either leaves the cube where it waits or lays it somewhere in the
   /// middle of the table. No time passes.
   virtual void ClearTable(bool lay_cube, std::uint64_t seed) = 0;
+  /// From now on the bag is drawn with its labels, or without. Ground truth still goes by where
+  /// they would be.
+  virtual void DrawLabels(bool drawn) = 0;
   /// The whole scene from the side, for people; without noise. No time passes.
   virtual RgbdFrame ObliqueLook() = 0;
   /// From now on calls `callback` after every period_s of simulated time, while the world moves.
