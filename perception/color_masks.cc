@@ -55,10 +55,11 @@ class HsvRange {
   std::array<uchar, 3> lo_, hi_;
 };
 
-/// Where the pixels of one row belong.
+/// Where the pixels of one row belong, or with `saturation` how saturated those are that do.
 struct RowMask {
   const HsvRange* range;
   uchar* mask;
+  bool saturation = false;
 };
 
 void MarkRow(const uchar* hsv, int count, std::initializer_list<RowMask> rows) {
@@ -67,26 +68,17 @@ void MarkRow(const uchar* hsv, int count, std::initializer_list<RowMask> rows) {
   for (; x + kLanes <= count; x += kLanes) {
     cv::v_uint8x16 h, s, v;
     cv::v_load_deinterleave(hsv + 3 * x, h, s, v);
-    for (const RowMask& row : rows) cv::v_store(row.mask + x, row.range->Holds(h, s, v));
+    for (const RowMask& row : rows) {
+      const cv::v_uint8x16 holds = row.range->Holds(h, s, v);
+      cv::v_store(row.mask + x, row.saturation ? holds & s : holds);
+    }
   }
   for (; x < count; ++x) {
     const uchar* p = hsv + 3 * x;
-    for (const RowMask& row : rows) row.mask[x] = row.range->Holds(p[0], p[1], p[2]) ? 255 : 0;
-  }
-}
-
-/// The saturation of the pixels that `range` holds, 0 where it does not.
-void SaturationIn(const HsvRange& range, const uchar* hsv, int count, uchar* saturation) {
-  constexpr int kLanes = cv::v_uint8x16::nlanes;
-  int x = 0;
-  for (; x + kLanes <= count; x += kLanes) {
-    cv::v_uint8x16 h, s, v;
-    cv::v_load_deinterleave(hsv + 3 * x, h, s, v);
-    cv::v_store(saturation + x, range.Holds(h, s, v) & s);
-  }
-  for (; x < count; ++x) {
-    const uchar* p = hsv + 3 * x;
-    saturation[x] = range.Holds(p[0], p[1], p[2]) ? p[1] : 0;
+    for (const RowMask& row : rows) {
+      const uchar inside = row.saturation ? p[1] : 255;
+      row.mask[x] = row.range->Holds(p[0], p[1], p[2]) ? inside : 0;
+    }
   }
 }
 
@@ -162,8 +154,9 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
       if (in_roi < 0 || in_roi >= view.roi.height) continue;
       const uchar* row = hsv.ptr(y) + 3 * view.roi.x;
       MarkRow(row, view.roi.width,
-              {{&cloth, masks.cloth.ptr(in_roi)}, {&label, masks.label.ptr(in_roi)}});
-      SaturationIn(label_hue, row, view.roi.width, masks.label_cover.ptr(in_roi));
+              {{&cloth, masks.cloth.ptr(in_roi)},
+               {&label, masks.label.ptr(in_roi)},
+               {&label_hue, masks.label_cover.ptr(in_roi), /*saturation=*/true}});
       if (in_roi % kSampled != 0) continue;
       const uchar* is_cloth = masks.cloth.ptr(in_roi);
       for (int x = 0; x < view.roi.width; x += kSampled) {
