@@ -31,9 +31,9 @@ struct PerceptionConfig {
   double bag_max_px2 = 70000;  ///< Above: not a bag but a table; twice the flat Bag 1.
   double hole_max_px2 = 1200;  ///< Larger holes in the cloth show canvas; smaller ones are creases.
   double label_min_px2 = 10;   ///< A label facing the camera covers 55.
-  /// A label of 12 x 14 mm is 8.1 px long, by its second moment; a spot longer than this is
-  /// several. Tuned 2026-11 on 118 rendered frames: single labels up to 8.6 px, two that touch 8.9
-  /// to 17.7 (once 7.9).
+  /// A label of 12 x 14 mm is 8.1 px long, by its second moment; a larger spot than a label that is
+  /// longer than this is several. Tuned 2026-11 on 118 rendered frames: single labels up to 9.0 px
+  /// (JPEG: 9.4), two that touch from 9.0 px (tests/perception/labels_test.cc).
   double label_length_px = 9.2;
   double label_inset_px = 4;  ///< A label's middle lies so far inside the rim: half of 14 mm.
   /// What the mouth is found by: its labels, or the hem of its lips in depth and shading
