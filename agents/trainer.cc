@@ -269,7 +269,8 @@ class Trainer {
   }
 
   // Which bag of its pool an action is done to. Each is taken once, in random order, before any is
-  // taken again: with few bags and few tries of an action, its reward is luck enough.
+  // taken again (but for bags that noise shows in another state): with few bags and few tries of an
+  // action, its reward is luck enough.
   int Drawn(const Plan& plan, int attempt) const {
     if (attempt > 0) return Rng(Seed("pool", plan.SeedIndex(attempt))).Below(plan.pool_size);
     Plan round = plan;

@@ -83,6 +83,7 @@ void WriteFileAtomic(const std::filesystem::path& path, std::string_view content
 }
 
 void CheckWritable(const std::filesystem::path& path) {
+  if (path.empty()) throw InputError(Reason(path, "cannot write", ENOENT));
   std::filesystem::path folder = path.parent_path();
   if (folder.empty()) folder = ".";
   struct stat is {};

@@ -80,7 +80,7 @@ struct PerceptionConfig {
     v("label_length_px", label_length_px, Range{3, 100});
     v("label_inset_px", label_inset_px, Range{0, 50});
     v("mouth", mouth, {"labels", "depth"});
-    v("hem_min_px", hem_min_px, Range{1, 12});
+    v("hem_min_px", hem_min_px, Range{1, 10});
     v("hem_max_px", hem_max_px, Range{1, 10});
     v("hem_dip", hem_dip, Range{0.001, 0.5});
     v("hem_step_mm", hem_step_mm, Range{0.5, 100});

@@ -1,5 +1,7 @@
 #include "agents/experiment/journal.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cstdio>
 
 #include "agents/json_fields.h"
@@ -70,13 +72,11 @@ Outcome Read(const std::filesystem::path& file) {
 }  // namespace
 
 JournalEnvironment::JournalEnvironment(std::unique_ptr<Environment> environment,
-                                       std::filesystem::path folder, std::string versions)
-    : environment_(std::move(environment)),
-      folder_(std::move(folder)),
-      versions_(std::move(versions)) {}
+                                       std::filesystem::path folder, std::string actor)
+    : environment_(std::move(environment)), folder_(std::move(folder)), actor_(std::move(actor)) {}
 
 Percept JournalEnvironment::Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) {
-  world_ = DeriveSeed(DeriveSeed(sensor_seed, versions_), snapshot);
+  world_ = DeriveSeed(DeriveSeed(sensor_seed, actor_), snapshot);
   return environment_->Begin(snapshot, sensor_seed);
 }
 
@@ -86,7 +86,13 @@ Outcome JournalEnvironment::Act(int action) {
                 static_cast<unsigned long long>(
                     DeriveSeed(world_, "action", static_cast<std::uint64_t>(action))));
   const std::filesystem::path file = folder_ / name;
-  if (std::filesystem::exists(file)) return Read(file);
+  if (std::filesystem::exists(file)) {
+    try {
+      return Read(file);
+    } catch (const InputError& e) {
+      spdlog::warn("{}; the action is done again", e.what());
+    }
+  }
   Outcome outcome = environment_->Act(action);
   MakeFolder(folder_);
   WriteFileAtomic(file, Written(outcome));

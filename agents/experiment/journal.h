@@ -14,16 +14,17 @@ namespace gusset {
 class JournalEnvironment final : public Environment {
  public:
   /// @param folder  made when the first action is kept; an action takes a file of about 100 KB.
-  /// @param versions  of what acts: what others have kept does not count.
+  /// @param actor  all that an outcome depends on beside world, noise and action: the program and
+  ///   its config. What others have kept does not count.
   JournalEnvironment(std::unique_ptr<Environment> environment, std::filesystem::path folder,
-                     std::string versions);
+                     std::string actor);
 
   std::vector<int> ActionCounts() const override { return environment_->ActionCounts(); }
   Snapshot Start(StartKind kind, std::uint64_t seed) override {
     return environment_->Start(kind, seed);
   }
   Percept Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) override;
-  /// @throws InputError naming the file if what was kept is broken, RunError if nothing can be
+  /// What was kept but is broken is done again. @throws InputError, RunError if nothing can be
   /// kept.
   Outcome Act(int action) override;
   /// Those of the last action that was not answered from the folder.
@@ -32,8 +33,8 @@ class JournalEnvironment final : public Environment {
  private:
   std::unique_ptr<Environment> environment_;
   std::filesystem::path folder_;
-  std::string versions_;
-  std::uint64_t world_ = 0;  // of the last Begin: versions, snapshot and noise in one number
+  std::string actor_;
+  std::uint64_t world_ = 0;  // of the last Begin: actor, snapshot and noise in one number
 };
 
 }  // namespace gusset

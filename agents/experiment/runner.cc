@@ -207,7 +207,7 @@ class Runner {
     Workers workers(1, [&] {
       return std::make_unique<JournalEnvironment>(
           std::make_unique<CountingEnvironment>(subject.environments(), unit.count), journal,
-          subject.versions.dump());
+          subject.actor);
     });
     record = RunTrial(workers, *subject.agent, TrialOf(unit), [this] { return Stop(); });
     record.versions = subject.versions;

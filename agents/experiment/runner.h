@@ -46,6 +46,7 @@ class ExperimentRig {
     std::unique_ptr<Agent> agent;
     Workers::Factory environments;
     nlohmann::json versions;
+    std::string actor;  ///< Program and config, in whatever words (JournalEnvironment).
   };
   using Stop = std::function<bool()>;
 

@@ -15,7 +15,8 @@ struct CloseCarryConfig {
   double lip_behind_m = 0.024;  ///< the drawn one, grasped so far behind where its labels are, so
                                 ///< that the fingers miss the cube before it, is pressed onto the
                                 ///< other where the bag is then grasped.
-  double rim_inset_m = 0.02;    ///< The bag is grasped no deeper than so far behind the near lip.
+  double rim_inset_m = 0;       ///< The bag is grasped no deeper than so far behind the near lip,
+                                ///< which is seen by its labels, 7 mm behind the edge ...
   double rim_aside_m = 0.03;    ///< ... and no farther aside from its middle.
   double opening_m = 0.085;     ///< Wide: both layers are to be gathered.
   double height_m = 0;          ///< Above the table, where the fingers close; a flat bag is 3 mm.

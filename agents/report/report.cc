@@ -49,16 +49,6 @@ std::string ThesisRow(const TrainConfig& train) {
   return train.steps == 100 ? train.agent : "";
 }
 
-// One for each state, of columns step1 to step4.
-ordered_json PublishedSteps(const Published& published, const std::string& table,
-                            const std::string& row) {
-  ordered_json steps = ordered_json::array();
-  for (int s = 1; s <= kActingStates; ++s) {
-    steps.push_back(EstimateJson(published.Find(table, row, "step" + std::to_string(s))));
-  }
-  return steps;
-}
-
 ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train,
                             const Published& published) {
   // Table 5.7 has the policy of Bag 1 on other bags.
@@ -77,8 +67,7 @@ ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train
           {"success", Rate(data.true_successes, data.episodes)},
           {"perceived_successes", data.perceived_successes},
           {"per_step", steps},
-          {"published_success", EstimateJson(published.Find(table, of, data.start))},
-          {"published_per_step", PublishedSteps(published, table, of)}};
+          {"published_success", EstimateJson(published.Find(table, of, data.start))}};
 }
 
 ordered_json MapsJson(const RunData& run) {
@@ -113,7 +102,10 @@ ordered_json GroupJson(const RunGroup& group, const Published& published) {
                        {"evaluations", ordered_json::array()},
                        {"maps", ordered_json::array()}};
   const TrainConfig& train = group.runs[0]->train;
-  json["published_rewards"] = PublishedSteps(published, "5.5", ThesisRow(train));
+  for (int s = 1; s <= kActingStates; ++s) {
+    const auto cell = published.Find("5.5", ThesisRow(train), "step" + std::to_string(s));
+    json["published_rewards"].push_back(EstimateJson(cell));
+  }
   int actions = 0;
   double sim_s = 0;
   for (const RunData* run : group.runs) {

@@ -458,7 +458,7 @@ TEST_F(BaggingEnvTest, CloseCarryFirstDrawsTheLipsTogetherIfTheyAreApart) {
 }
 
 TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {
-  const double inset = config_.close_carry.rim_inset_m;
+  const double inset = config_.close_carry.rim_inset_m = 0.02;
   const double aside = config_.close_carry.rim_aside_m;
   const Mouth mouth{{0, -0.1, 0}, {0, -0.09, 0}};  // outward is -y
   const auto grasp = [&](const Eigen::Vector3d& p_W, const std::optional<Mouth>& seen) {

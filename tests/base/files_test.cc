@@ -72,7 +72,7 @@ TEST_F(Files, WhatCannotBeWrittenIsKnownBeforeItIs) {
   EXPECT_NO_THROW(CheckWritable("beside.json"));
   WriteFileAtomic(dir_ / "file", "x");
   EXPECT_NO_THROW(CheckWritable(dir_ / "file"));
-  for (const fs::path& path : {dir_, dir_ / "no" / "file", dir_ / "file" / "below"}) {
+  for (const fs::path& path : {fs::path(), dir_, dir_ / "no" / "file", dir_ / "file" / "below"}) {
     EXPECT_THROW(CheckWritable(path), InputError) << path;
     EXPECT_ANY_THROW(WriteFileAtomic(path, "x")) << path;
   }

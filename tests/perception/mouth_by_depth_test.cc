@@ -28,7 +28,7 @@ struct Scene {
     bag(body) = 255;
     height_mm(body) = 3;
   }
-  /// Stitching along row `y`: 10 % darker, as wide as a thread of 1.2 mm makes it.
+  /// Stitching along row `y`: 7 % darker, as wide as a thread of 1.2 mm makes it.
   void Stitch(int y, int left = 90, int right = 240) {
     grey(cv::Rect(left, y, right - left, 1)) *= 0.93;
   }

@@ -47,6 +47,9 @@ class EvaluateCommand final : public Command {
     if (dump_ != "none" && out_.empty()) {
       throw InputError("--dump " + dump_ + " needs --out, beside which the frames are kept");
     }
+    const std::filesystem::path frames =
+        std::filesystem::path(out_).replace_extension().concat("_frames");
+    if (dump_ != "none") MakeFolder(frames);
     if (!out_.empty()) CheckWritable(out_);
     const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
     const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
@@ -58,8 +61,7 @@ class EvaluateCommand final : public Command {
     EvaluationConfig config{
         .start = start_.kind(), .episodes = episodes_, .seed = seed_, .max_repeats = repeats_};
     config.dump = dump_;
-    config.frames = std::filesystem::path(out_).replace_extension().concat("_frames");
-    if (dump_ != "none") MakeFolder(config.frames);
+    config.frames = frames;
     const auto evaluate = [&] { return Evaluate(workers, *agent, config, StopRequested); };
     const EvaluationResult result =
         dump_ == "none" ? evaluate() : WithContactSheet(config.frames, evaluate);

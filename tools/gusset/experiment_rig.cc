@@ -1,6 +1,8 @@
 #include "tools/gusset/experiment_rig.h"
 
 #include "base/error.h"
+#include "base/files.h"
+#include "base/random.h"
 #include "tools/gusset/training.h"
 
 namespace gusset {
@@ -65,6 +67,7 @@ ExperimentRig::Subject SimExperimentRig::Open(const TrainingPlan& plan, const Ce
   subject.agent = LoadAgent(folder.string(), settings);
   subject.environments = settings.EnvironmentFactory();
   subject.versions = Versions(settings);
+  subject.actor = settings.resolved + std::to_string(DeriveSeed(0, ReadFile("/proc/self/exe")));
   return subject;
 }
 

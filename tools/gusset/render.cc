@@ -239,7 +239,8 @@ class RenderCommand final : public Command {
         {"cube_px", truth.cube_px},
         {"cube_m", {truth.cube_m.x(), truth.cube_m.y(), truth.cube_m.z()}},
         {"cube_hidden", truth.cube_hidden},
-        {"cube_in_bag", truth.truth.cube_in_bag}};
+        {"cube_in_bag", truth.truth.cube_in_bag},
+        {"plain", plain_}};
     labels.Append(label.dump());
     ++frames_;
   }

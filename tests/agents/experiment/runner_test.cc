@@ -48,7 +48,8 @@ class TableRig final : public ExperimentRig {
               return std::make_unique<CountingEnvironment>(std::make_unique<TableWorld>(crash_at_),
                                                            tried);
             },
-            {{"table", "1"}}};
+            {{"table", "1"}},
+            "table 1"};
   }
 
   std::string never;   // a training that cannot be finished ...
