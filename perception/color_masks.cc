@@ -18,6 +18,8 @@ constexpr int kSampled = 3;
 constexpr double kFullySaturated = 0.7;
 /// Fewer pixels than one label has do not show how saturated it is.
 constexpr int kPixelsOfALabel = 50;
+/// The longer side of a label of 12 x 14 mm, with its soft edge.
+constexpr int kLabelLength_px = 10;
 
 /// An HSV range that may wrap through red. Sixteen pixels at a time: cv::inRange takes four times
 /// as long, and would run four times over the same pixels.
@@ -93,18 +95,34 @@ int Quantile(const Histogram& histogram, double share) {
   return value;
 }
 
+/// True if there is cloth a label's length from a pixel, on any side: something else of a label's
+/// colour, on the canvas, says nothing about labels.
+bool IsBesideCloth(const cv::Mat& cloth, int x, int y) {
+  for (int dy = -kLabelLength_px; dy <= kLabelLength_px; dy += kLabelLength_px) {
+    for (int dx = -kLabelLength_px; dx <= kLabelLength_px; dx += kLabelLength_px) {
+      const cv::Point at(x + dx, y + dy);
+      if (cv::Rect({0, 0}, cloth.size()).contains(at) && cloth.at<uchar>(at) != 0) return true;
+    }
+  }
+  return false;
+}
+
 /// From saturation to cover, in place. @param label what is surely label. @param half_covered the
 /// saturation of a pixel that a label covers by half, for want of pixels to measure.
-void ToCover(const cv::Mat& label, int cloth_saturation, int half_covered, cv::Mat& cover) {
+void ToCover(const cv::Mat& label, const cv::Mat& cloth, int cloth_saturation, int half_covered,
+             cv::Mat& cover) {
   Histogram histogram{};
+  int counted = 0;
   const cv::Rect around = cv::boundingRect(label);
   for (int y = around.y; y < around.br().y; ++y) {
     for (int x = around.x; x < around.br().x; ++x) {
-      if (label.at<uchar>(y, x) != 0) ++histogram[cover.at<uchar>(y, x)];
+      if (label.at<uchar>(y, x) == 0 || !IsBesideCloth(cloth, x, y)) continue;
+      ++histogram[cover.at<uchar>(y, x)];
+      ++counted;
     }
   }
   int full = Quantile(histogram, kFullySaturated);
-  if (cv::countNonZero(label) < kPixelsOfALabel) {
+  if (counted < kPixelsOfALabel) {
     full = std::max(full, 2 * half_covered - cloth_saturation);
   }
   full = std::max(full, cloth_saturation + 1);
@@ -164,7 +182,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
       }
     }
   }
-  ToCover(masks.label, Quantile(cloth_saturation, 0.5),
+  ToCover(masks.label, masks.cloth, Quantile(cloth_saturation, 0.5),
           cv::saturate_cast<uchar>(config.label_hsv_min[1]), masks.label_cover);
   return masks;
 }

@@ -183,7 +183,10 @@ std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most
   std::vector<Contour> contours;
   cv::findContours(spots, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
   std::vector<Spot> found;
-  for (Contour& contour : contours) found.push_back(MakeSpot(std::move(contour)));
+  for (Contour& contour : contours) {
+    // A speck is no part of a label, and there may be thousands of them.
+    if (contour.size() > 2) found.push_back(MakeSpot(std::move(contour)));
+  }
 
   std::vector<Label> labels;
   std::vector<bool> taken(found.size(), false);

@@ -41,6 +41,19 @@ TEST(ColorMasks, CoverIsTheShareOfALabelInAPixelWhateverTheLight) {
   }
 }
 
+// A toy, a cable: twice as saturated as labels, and larger than all of them.
+TEST(ColorMasks, GreenThingsOnTheCanvasDoNotChangeWhatALabelCovers) {
+  RgbdFrame frame = MixedFrame(1);
+  const cv::Mat alone = MasksOf(frame).label_cover.clone();
+  const cv::Rect toy(20, 20, 40, 30);
+  frame.color(toy + cv::Point(kConfig.roi_x, kConfig.roi_y)) = cv::Scalar(10, 180, 90);
+  const ColorMasks masks = MasksOf(frame);
+  ASSERT_EQ(cv::countNonZero(masks.label(toy)), toy.area()) << "of a label's colour";
+  cv::Mat elsewhere = cv::Mat::ones(alone.size(), CV_8UC1);
+  elsewhere(toy) = 0;
+  EXPECT_EQ(cv::norm(alone, masks.label_cover, cv::NORM_INF, elsewhere), 0);
+}
+
 TEST(ColorMasks, NothingCoversClothCubeAndCanvas) {
   RgbdFrame frame = synthetic::EmptyTable();
   synthetic::DrawFlatBag(frame, {}, 0);
