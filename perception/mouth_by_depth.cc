@@ -280,10 +280,15 @@ std::vector<std::vector<HemPoint>> Pieces(const std::vector<HemPoint>& hem, doub
     taken[first] = true;
     for (std::size_t i = 0; i < queue.size(); ++i) {
       const HemPoint& a = hem[queue[i]];
-      for (std::size_t j = 0; j < hem.size(); ++j) {
+      // Rows lie one after the other: only those within reach need a look.
+      const auto from =
+          std::lower_bound(hem.begin(), hem.end(), a.line_px.y - gap_px,
+                           [](const HemPoint& p, double y) { return p.line_px.y < y; });
+      for (auto j = static_cast<std::size_t>(from - hem.begin());
+           j < hem.size() && hem[j].line_px.y <= a.line_px.y + gap_px; ++j) {
         const HemPoint& b = hem[j];
-        if (taken[j] || std::abs(b.line_px.y - a.line_px.y) > gap_px ||
-            cv::norm(b.line_px - a.line_px) > gap_px || a.outward.dot(b.outward) < 0.5) {
+        if (taken[j] || cv::norm(b.line_px - a.line_px) > gap_px ||
+            a.outward.dot(b.outward) < 0.5) {
           continue;
         }
         taken[j] = true;
