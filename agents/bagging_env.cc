@@ -61,34 +61,39 @@ std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
                seen.A_o * m2_per_px2};
 }
 
+// Refuses a value for what another one is. @param than as "not below thresholds.A_flat".
+void RefuseBeside(const ConfigTree& tree, const std::string& key, double value,
+                  const std::string& than, double other) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%g", other);
+  tree.Refuse(key, value, "is " + than + " = " + number);
+}
+
 // A bag that never counts as unfolded, or whose best opening is none.
 void CheckThresholds(const ConfigTree& tree, const std::string& section, const BagThresholds& t) {
   const auto below = [&](const char* key, double value, const char* other, double bound) {
     if (value < bound) return;
-    char text[96];
-    std::snprintf(text, sizeof text, "is not below %s.%s = %g", section.c_str(), other, bound);
-    tree.Refuse(section + "." + key, value, text);
+    RefuseBeside(tree, section + "." + key, value, "not below " + section + "." + other, bound);
   };
   below("A_th", t.A_th, "A_flat", t.A_flat);
   below("A_th", t.A_th, "A_bmax", t.A_bmax);
   below("A_oth", t.A_oth, "A_omax", t.A_omax);
 }
 
+void CheckDrag(const ConfigTree& tree, const ScratchDragConfig& drag) {
+  if (drag.drag_least_m <= drag.drag_most_m) return;
+  const std::string least = "primitives.scratch_drag.drag_least_m";
+  const std::string most = "primitives.scratch_drag.drag_most_m";
+  if (tree.Has(least))
+    RefuseBeside(tree, least, drag.drag_least_m, "above drag_most_m", drag.drag_most_m);
+  RefuseBeside(tree, most, drag.drag_most_m, "below drag_least_m", drag.drag_least_m);
+}
+
 }  // namespace
 
 void BaggingConfig::Read(ConfigTree& tree) {
   VisitSections(*this, Sections{tree});
-  if (scratch_drag.drag_least_m > scratch_drag.drag_most_m) {
-    const auto refuse = [&](const char* key, double value, const char* than, double bound) {
-      char text[64];
-      std::snprintf(text, sizeof text, "is %s = %g", than, bound);
-      tree.Refuse(std::string("primitives.scratch_drag.") + key, value, text);
-    };
-    const double least = scratch_drag.drag_least_m, most = scratch_drag.drag_most_m;
-    const bool least_is_given = tree.Has("primitives.scratch_drag.drag_least_m");
-    least_is_given ? refuse("drag_least_m", least, "above drag_most_m", most)
-                   : refuse("drag_most_m", most, "below drag_least_m", least);
-  }
+  CheckDrag(tree, scratch_drag);
   CheckThresholds(tree, "thresholds", thresholds.gusset);
   if (tree.Has("thresholds_published")) {
     published.emplace();

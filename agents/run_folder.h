@@ -33,18 +33,18 @@ class RunFolder {
   std::filesystem::path progress() const { return root_ / "progress.csv"; }
   std::filesystem::path policy() const { return root_ / "policy.json"; }
   std::filesystem::path frames() const { return root_ / "frames"; }
+  /// Where the world is kept as step `id` left it, if it is.
+  std::filesystem::path SnapshotFile(int id) const;
 
   /// The last checkpoint; nothing if the run stopped before its first.
   std::optional<nlohmann::json> ReadCheckpoint() const;
   void WriteCheckpoint(const nlohmann::json& checkpoint) const;
-  /// Snapshot of the world as step `id` left it.
   Snapshot ReadSnapshot(int id) const;
   void WriteSnapshot(int id, const Snapshot& snapshot) const;
   void RemoveSnapshot(int id) const;
 
  private:
   explicit RunFolder(std::filesystem::path root) : root_(std::move(root)) {}
-  std::filesystem::path SnapshotFile(int id) const;
   std::filesystem::path root_;
 };
 

@@ -278,8 +278,7 @@ class Trainer {
     Rng rng(Seed("pool order", round.SeedIndex(0)));
     std::vector<int> order(At(plan.pool_size));
     std::iota(order.begin(), order.end(), 0);
-    for (int i = plan.pool_size - 1; i > 0; --i)
-      std::swap(order[At(i)], order[At(rng.Below(i + 1))]);
+    rng.Shuffle(order);
     return order[At(plan.index % plan.pool_size)];
   }
 

@@ -83,16 +83,15 @@ void WriteFileAtomic(const std::filesystem::path& path, std::string_view content
 }
 
 void CheckWritable(const std::filesystem::path& path) {
-  if (path.empty()) throw InputError(Reason(path, "cannot write", ENOENT));
+  const auto refuse = [&](int error) { throw InputError(Reason(path, "cannot write", error)); };
+  if (path.empty()) refuse(ENOENT);
   std::filesystem::path folder = path.parent_path();
   if (folder.empty()) folder = ".";
   struct stat is {};
-  if (::stat(path.c_str(), &is) == 0 && S_ISDIR(is.st_mode)) {
-    throw InputError(Reason(path, "cannot write", EISDIR));
-  }
-  if (::stat(folder.c_str(), &is) != 0) throw InputError(Reason(path, "cannot write", errno));
-  if (!S_ISDIR(is.st_mode)) throw InputError(Reason(path, "cannot write", ENOTDIR));
-  if (::access(folder.c_str(), W_OK) != 0) throw InputError(Reason(path, "cannot write", errno));
+  if (::stat(path.c_str(), &is) == 0 && S_ISDIR(is.st_mode)) refuse(EISDIR);
+  if (::stat(folder.c_str(), &is) != 0) refuse(errno);
+  if (!S_ISDIR(is.st_mode)) refuse(ENOTDIR);
+  if (::access(folder.c_str(), W_OK) != 0) refuse(errno);
 }
 
 void MakeFolder(const std::filesystem::path& path) {

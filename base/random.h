@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <random>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace gusset {
 
@@ -21,6 +23,13 @@ class Rng {
   double Uniform(double lo, double hi) { return lo + (hi - lo) * Uniform(); }
   /// Uniform integer in [0, n); n >= 1.
   int Below(int n);
+  /// Puts the items in random order, every order equally likely (Fisher and Yates).
+  template <class T>
+  void Shuffle(std::vector<T>& items) {
+    for (std::size_t i = items.size(); i > 1; --i) {
+      std::swap(items[i - 1], items[static_cast<std::size_t>(Below(static_cast<int>(i)))]);
+    }
+  }
   /// Standard normal, by Box and Muller (1958), one of the pair.
   double Normal();
   std::uint64_t Bits() { return engine_(); }

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "perception/depth.h"
+#include "perception/shapes.h"
 
 namespace gusset {
 namespace {
@@ -26,18 +27,12 @@ bool IsCompact(const std::vector<cv::Point>& contour, double area_px2) {
   return longer <= kMaxElongation * shorter && area_px2 >= kMinFilled * longer * shorter;
 }
 
-cv::Mat Filled(const std::vector<cv::Point>& contour, const cv::Rect& box) {
-  cv::Mat mask = cv::Mat::zeros(box.size(), CV_8UC1);
-  cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{contour}, 255, cv::LINE_8, 0, -box.tl());
-  return mask;
-}
-
 bool IsAmidCloth(const std::vector<cv::Point>& contour, const ColorMasks& masks, const View& view) {
   cv::Rect box = cv::boundingRect(contour);
   box -= cv::Point(kRing_px, kRing_px);
   box += cv::Size(2 * kRing_px, 2 * kRing_px);
   cv::Mat ring;
-  const cv::Mat inner = Filled(contour, box);
+  const cv::Mat inner = FilledContour(contour, box);
   cv::dilate(inner, ring,
              cv::getStructuringElement(cv::MORPH_RECT, {2 * kRing_px + 1, 2 * kRing_px + 1}));
   ring &= ~inner;
@@ -83,7 +78,7 @@ std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
   for (std::vector<cv::Point>& contour : contours) {
     const cv::Rect box = cv::boundingRect(contour);
     if (box.area() < config.cube_min_px2) continue;
-    const double area = cv::countNonZero(Filled(contour, box));
+    const double area = cv::countNonZero(FilledContour(contour, box));
     if (area < config.cube_min_px2 || area > config.cube_max_px2) continue;
     if (largest && area <= largest->area_px2) continue;
     if (!IsCompact(contour, area)) continue;
@@ -95,7 +90,7 @@ std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
 
 CubeSeen LocateCube(const CubeBlob& blob, const View& view, const PerceptionConfig& config) {
   const cv::Rect box = cv::boundingRect(blob.contour);
-  cv::Mat face = Filled(blob.contour, box);
+  cv::Mat face = FilledContour(blob.contour, box);
   double top_m = config.table_height_m + config.cube_side_m;
   double centre_m = config.table_height_m + config.cube_side_m / 2;
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "perception/require.h"
+#include "perception/shapes.h"
 
 namespace gusset {
 namespace {
@@ -61,8 +62,7 @@ Moments MomentsOf(const std::vector<Pixel>& spot) {
     yy += pixel.cover * d.y * d.y;
   }
   if (weight <= 0) return m;
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  m.axis = {std::cos(angle), std::sin(angle)};
+  m.axis = LongerAxis(xx, xy, yy);
   const double largest = 0.5 * (xx + yy + std::hypot(xx - yy, 2 * xy)) / weight;
   m.length = std::sqrt(12 * largest);
   return m;
@@ -134,8 +134,7 @@ Spot MakeSpot(Contour contour) {
   spot.box = cv::boundingRect(contour);
   spot.box -= cv::Point(1, 1);
   spot.box += cv::Size(2, 2);
-  spot.filled = cv::Mat::zeros(spot.box.size(), CV_8UC1);
-  cv::fillPoly(spot.filled, std::vector<Contour>{contour}, 255, cv::LINE_8, 0, -spot.box.tl());
+  spot.filled = FilledContour(contour, spot.box);
   spot.pixels = cv::countNonZero(spot.filled);
   spot.contour = std::move(contour);
   return spot;

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "perception/require.h"
+#include "perception/shapes.h"
 
 namespace gusset {
 namespace {
@@ -131,8 +132,7 @@ cv::Point2d SmoothAcross(const Ridges& ridges, cv::Point at) {
       yy += s * s * across[1] * across[1];
     }
   }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  return {std::cos(angle), std::sin(angle)};
+  return LongerAxis(xx, xy, yy);
 }
 
 /// Between pixels; the point must lie inside the image.
@@ -316,23 +316,9 @@ struct Stretch {
 
 void AddStretches(const std::vector<HemPoint>& piece, const PerceptionConfig& config,
                   std::vector<Stretch>& stretches) {
-  cv::Point2d mean(0, 0);
-  for (const HemPoint& p : piece) mean += p.line_px;
-  mean /= static_cast<double>(piece.size());
-  double xx = 0, xy = 0, yy = 0;
-  for (const HemPoint& p : piece) {
-    const cv::Point2d d = p.line_px - mean;
-    xx += d.x * d.x;
-    xy += d.x * d.y;
-    yy += d.y * d.y;
-  }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  const cv::Point2d along(std::cos(angle), std::sin(angle));
-  double least = 0, most = 0;
-  for (const HemPoint& p : piece) {
-    least = std::min(least, along.dot(p.line_px - mean));
-    most = std::max(most, along.dot(p.line_px - mean));
-  }
+  std::vector<cv::Point2d> stitches;
+  for (const HemPoint& p : piece) stitches.push_back(p.line_px);
+  const auto [mean, along, least, most] = FitLine(stitches);
   if (most - least < config.hem_min_length_px) return;
   const int parts = std::max(1, cvRound((most - least) / config.hem_spacing_px));
   std::vector<Stretch> mine(static_cast<std::size_t>(parts));

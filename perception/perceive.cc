@@ -16,6 +16,7 @@
 #include "perception/outline.h"
 #include "perception/pose_points.h"
 #include "perception/rim.h"
+#include "perception/shapes.h"
 #include "perception/view.h"
 
 namespace gusset {
@@ -55,21 +56,15 @@ std::vector<cv::Point2f> Hull(const std::vector<cv::Point2d>& points) {
 
 /// What the labels enclose: a mask of the region of interest.
 cv::Mat MouthMask(const std::vector<cv::Point2f>& hull, const View& view) {
-  cv::Mat mask = cv::Mat::zeros(view.roi.size(), CV_8UC1);
   std::vector<cv::Point> corners;
   for (const cv::Point2f& point : hull) corners.emplace_back(cvRound(point.x), cvRound(point.y));
-  cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{corners}, 255, cv::LINE_8, 0,
-               -view.roi.tl());
-  return mask;
+  return FilledContour(corners, view.roi);
 }
 
 /// The cloth that shows: the bag less the cube, which lies on or in it.
 cv::Mat ShownCloth(const BagBody& bag, const std::optional<CubeBlob>& cube, const View& view) {
   if (!cube) return bag.mask;
-  cv::Mat mask = bag.mask.clone();
-  cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{cube->contour}, 0, cv::LINE_8, 0,
-               -view.roi.tl());
-  return mask;
+  return bag.mask & ~FilledContour(cube->contour, view.roi);
 }
 
 /// Points of the mouth's lips: its labels, or what stands for them on a bag without.

@@ -1,9 +1,9 @@
 #include "perception/rim.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "perception/require.h"
+#include "perception/shapes.h"
 
 namespace gusset {
 
@@ -39,32 +39,19 @@ std::array<cv::Point2d, 4> CornersFromRow(const Outline& outline,
                                           const std::vector<cv::Point2d>& row, cv::Point2d outward,
                                           double inset_px) {
   RequirePixels(row, 2, "row");
-  const double count = static_cast<double>(row.size());
-  cv::Point2d mean(0, 0);
-  for (const cv::Point2d& point : row) mean += point / count;
-  // The direction in which the points vary most: the larger principal axis of their covariance.
-  double xx = 0, xy = 0, yy = 0;
-  for (const cv::Point2d& point : row) {
-    const cv::Point2d d = point - mean;
-    xx += d.x * d.x;
-    xy += d.x * d.y;
-    yy += d.y * d.y;
-  }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  cv::Point2d along(std::cos(angle), std::sin(angle));
+  const FittedLine line = FitLine(row);
+  cv::Point2d along = line.along;
   // Against the clock as one sees the image, what is outside is to the right of one's way.
   cv::Point2d across(-along.y, along.x);
+  double least = line.least, most = line.most;
   if (across.dot(outward) < 0) {
     along = -along;
     across = -across;
+    least = -line.most;
+    most = -line.least;
   }
-  double least = 0, most = 0;
-  for (const cv::Point2d& point : row) {
-    least = std::min(least, along.dot(point - mean));
-    most = std::max(most, along.dot(point - mean));
-  }
-  const double beyond = 0.5 * (most - least) / (count - 1);
-  const cv::Point2d middle = mean + inset_px * across;
+  const double beyond = 0.5 * (most - least) / (static_cast<double>(row.size()) - 1);
+  const cv::Point2d middle = line.mean + inset_px * across;
   const std::array<cv::Point2d, 4> counted = outline.From(SideTowards(outline, across)).corners;
   return {middle + (least - beyond) * along, middle + (most + beyond) * along, counted[2],
           counted[3]};

@@ -38,9 +38,7 @@ class Ppo final : public OnPolicyAgent {
     std::iota(order.begin(), order.end(), 0);
     const std::size_t size = n / static_cast<std::size_t>(config_.minibatches);
     for (int epoch = 0; epoch < config_.epochs; ++epoch) {
-      for (std::size_t i = n; i > 1; --i) {  // Fisher and Yates
-        std::swap(order[i - 1], order[static_cast<std::size_t>(rng.Below(static_cast<int>(i)))]);
-      }
+      rng.Shuffle(order);
       for (std::size_t start = 0; start < n; start += size) {
         const std::span<const std::int64_t> part(order.data() + start, size);
         std::vector<Experience> batch;

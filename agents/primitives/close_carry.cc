@@ -25,10 +25,7 @@ void LayLipOver(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& gra
   const Eigen::Vector3d lip_W = mouth.drawn_W - config.lip_behind_m * mouth.Outward_W();
   const Eigen::Vector3d seized_W =
       SeizeLayer(tool, lip_W, grasp_W - lip_W, closing_W, drag, motion);
-  const double raised = seized_W.z() + drag.lift_m;
-  tool.Go(At(seized_W, raised), drag.drag_speed_m_s);
-  tool.Go(At(grasp_W, raised), drag.drag_speed_m_s);
-  tool.Go(At(grasp_W, drag.release_height_m), drag.drag_speed_m_s);
+  BringLayer(tool, seized_W, grasp_W, drag);
   tool.GoUntilContact(At(grasp_W, config.height_m), config.contact_force_N);
   tool.Fingers(config.opening_m);
 }

@@ -35,6 +35,14 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
   }
 }
 
+void BringLayer(ToolMotion& tool, const Eigen::Vector3d& seized_W, const Eigen::Vector3d& target_W,
+                const ScratchDragConfig& config) {
+  const double raised = seized_W.z() + config.lift_m;
+  tool.Go(At(seized_W, raised), config.drag_speed_m_s);
+  tool.Go(At(target_W, raised), config.drag_speed_m_s);
+  tool.Go(At(target_W, config.release_height_m), config.drag_speed_m_s);
+}
+
 void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                const MotionConfig& motion) {
@@ -43,13 +51,10 @@ void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector
   const Eigen::Vector3d seized_W = SeizeLayer(tool, p_W, drag, along_W, config, motion);
 
   // mu_drag: raise the layer, carry it over the target, let go.
-  const auto target = [&](double z) { return At(seized_W + drag, z); };
-  const double raised = seized_W.z() + config.lift_m;
-  tool.Go(At(seized_W, raised), config.drag_speed_m_s);
-  tool.Go(target(raised), config.drag_speed_m_s);
-  tool.Go(target(config.release_height_m), config.drag_speed_m_s);
+  const Eigen::Vector3d target_W = seized_W + drag;
+  BringLayer(tool, seized_W, target_W, config);
   tool.Fingers(config.release_opening_m);
-  tool.Go(target(motion.approach_m), config.rise_speed_m_s);
+  tool.Go(At(target_W, motion.approach_m), config.rise_speed_m_s);
 }
 
 }  // namespace gusset

@@ -56,6 +56,11 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
                            const Eigen::Vector3d& drag_W, const Eigen::Vector3d& along_W,
                            const ScratchDragConfig& config, const MotionConfig& motion);
 
+/// The first part of mu_drag: raises what is held at seized_W, carries it over target_W and lowers
+/// it.
+void BringLayer(ToolMotion& tool, const Eigen::Vector3d& seized_W, const Eigen::Vector3d& target_W,
+                const ScratchDragConfig& config);
+
 /// Scratches and drags by a given way, which is shortened to drag_most_m alone.
 void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,

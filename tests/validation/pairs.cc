@@ -6,6 +6,7 @@
 #include <map>
 
 #include "agents/replay.h"
+#include "agents/run_folder.h"
 #include "agents/workers.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -83,10 +84,10 @@ class PairsExperiment final : public Command {
  private:
   // Snapshots of worlds that were seen in the state and are kept.
   std::vector<fs::path> Worlds() const {
+    const RunFolder folder = RunFolder::Open(run_);
     std::vector<fs::path> all;
     for (const nlohmann::json& step : ReadRunSteps(run_)) {
-      const fs::path file = fs::path(run_) / "checkpoint" /
-                            ("step" + std::to_string(step.value("step", -1)) + ".snapshot");
+      const fs::path file = folder.SnapshotFile(step.value("step", -1));
       if (step.value("next_state", -1) == state_ && fs::exists(file)) all.push_back(file);
     }
     if (all.empty()) {

@@ -67,7 +67,8 @@ ExperimentRig::Subject SimExperimentRig::Open(const TrainingPlan& plan, const Ce
   subject.agent = LoadAgent(folder.string(), settings);
   subject.environments = settings.EnvironmentFactory();
   subject.versions = Versions(settings);
-  subject.actor = settings.resolved + std::to_string(DeriveSeed(0, ReadFile("/proc/self/exe")));
+  static const std::uint64_t program = DeriveSeed(0, ReadFile("/proc/self/exe"));
+  subject.actor = settings.resolved + std::to_string(program);
   return subject;
 }
 
