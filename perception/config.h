@@ -48,7 +48,9 @@ struct PerceptionConfig {
   double rim_reach_px = 20;       ///< Cloth around a label within this tells where the rim is.
   double cube_min_px2 = 90;       ///< A fifth of the cube's face (408).
   double cube_max_px2 = 1500;     ///< The cube seen from the side covers 650.
-  double point_inset_px = 4;      ///< Pose points stay this far inside the cloth's edge.
+  double place_inset_px = 18;  ///< Where the cube is placed it clears both lips: half its diagonal,
+                               ///< 14.3, and the half of a label that covers the lip beyond.
+  double point_inset_px = 4;   ///< Pose points stay this far inside the cloth's edge.
 
   double edge_cone_deg = 25;  ///< In s0 a grasp is at the bag's edge this near a pose point's side,
   double edge_inset_px = 9;   ///< 15 mm inside it (docs/experiments.md),
@@ -89,6 +91,7 @@ struct PerceptionConfig {
     v("rim_reach_px", rim_reach_px, Range{3, 100});
     v("cube_min_px2", cube_min_px2, Range{1, 1e5});
     v("cube_max_px2", cube_max_px2, Range{1, 1e5});
+    v("place_inset_px", place_inset_px, Range{0, 100});
     v("point_inset_px", point_inset_px, Range{0, 20});
     v("edge_cone_deg", edge_cone_deg, Range{0, 90});
     v("edge_inset_px", edge_inset_px, Range{0, 50});
@@ -111,6 +114,7 @@ struct BagThresholds {
   double A_omax = 3900;   ///< Opening area that earns reward 1.
   double A_flat = 34950;  ///< The bag laid flat.
   int labels_per_layer = 5;
+      0.7;  ///< Held up, the bag weighs more with the cube in it: 52 g and half of 40.
 
   template <class V>
   void Fields(V& v) {

@@ -12,6 +12,7 @@
 #include "perception/depth.h"
 #include "perception/labels.h"
 #include "perception/mouth_by_depth.h"
+#include "perception/mouth_outline.h"
 #include "perception/opening_area.h"
 #include "perception/outline.h"
 #include "perception/pose_points.h"
@@ -52,13 +53,6 @@ std::vector<cv::Point2f> Hull(const std::vector<cv::Point2d>& points) {
   std::vector<cv::Point2f> hull;
   cv::convexHull(floats, hull);
   return hull;
-}
-
-/// What the labels enclose: a mask of the region of interest.
-cv::Mat MouthMask(const std::vector<cv::Point2f>& hull, const View& view) {
-  std::vector<cv::Point> corners;
-  for (const cv::Point2f& point : hull) corners.emplace_back(cvRound(point.x), cvRound(point.y));
-  return FilledContour(corners, view.roi);
 }
 
 /// The cloth that shows: the bag less the cube, which lies on or in it.
@@ -183,12 +177,11 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       place = CellCentres(outline.corners, kZeta);
       break;
     case State::kOpen: {
-      const std::vector<cv::Point2f> hull = Hull(observation.labels);
-      const Outline mouth = FitOutline(hull);
+      const Outline mouth = FitOutline(Hull(observation.labels));
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
-      // A label seen from outside lies half its length behind the lip.
-      SnapOnto(MouthMask(hull, view), view.roi.tl(), config.label_inset_px, place);
+      SnapOnto(RoomWithin(MouthOutline(observation.labels), view.roi, config.place_inset_px),
+               view.roi.tl(), 0, place);
       break;
     }
     case State::kFilled:

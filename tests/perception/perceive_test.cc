@@ -109,6 +109,28 @@ TEST(Perceive, PlacePointsKeepOffTheLips) {
   }
 }
 
+TEST(Perceive, PlacePointsLieWhereTheCubeClearsTheLipsOfABentMouth) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(frame, {}, 0);
+  synthetic::DrawCube(frame, {566, 240});
+  // An L, 44 px wide: the middle of its hull lies on cloth outside the mouth.
+  const std::vector<cv::Point2d> outline = {{-70, -90}, {0, -90},  {70, -90}, {70, 0},
+                                            {70, 90},   {26, 90},  {26, 20},  {26, -46},
+                                            {-20, -46}, {-70, -46}};
+  std::vector<cv::Point2f> mouth;
+  for (const cv::Point2d& p : outline) {
+    synthetic::DrawLabel(frame, {}, p);
+    mouth.emplace_back(static_cast<float>(320 + p.x), static_cast<float>(240 + p.y));
+  }
+  const Observation o = Look(frame);
+  ASSERT_EQ(o.state, State::kOpen);
+  ASSERT_EQ(o.place_points.size(), 9u);
+  for (const PosePoint& point : o.place_points) {
+    EXPECT_GE(cv::pointPolygonTest(mouth, cv::Point2f(point.px), true), kConfig.place_inset_px - 1)
+        << point.px;
+  }
+}
+
 TEST(Perceive, WithoutBagItIsSuccessOrFail) {
   RgbdFrame frame = synthetic::EmptyTable();
   const Observation nothing = Look(frame);
@@ -237,11 +259,12 @@ TEST(Perceive, TurningTheImageKeepsTheNumbering) {
       const Observation after = Look(turned);
       ASSERT_EQ(static_cast<int>(after.state), state);
       EXPECT_EQ(after.A_bag, before.A_bag);
-      // Pixels turn exactly; only ties between contour points may fall otherwise.
+      // Pixels turn exactly; only ties may fall otherwise: between contour points, and between
+      // pixels to which a place point is moved.
       for (auto member : {&Observation::grasp_points, &Observation::place_points}) {
         std::vector<cv::Point2d> expected;
         for (const PosePoint& p : before.*member) expected.emplace_back(339 - p.px.y, p.px.x);
-        ExpectNear(Pixels(after.*member), expected, 1.5);
+        ExpectNear(Pixels(after.*member), expected, 3.5);
       }
       frame = turned;
       before = after;

@@ -1,0 +1,111 @@
+#include "perception/mouth_outline.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "perception/require.h"
+#include "perception/shapes.h"
+
+namespace gusset {
+namespace {
+
+// Sides shorter by less than this are equal: rounding alone must not make 2-opt turn for ever.
+constexpr double kEqual_px = 1e-9;
+
+// The hull of points sorted by x, then y (Andrew 1979).
+std::vector<cv::Point2d> SortedHull(const std::vector<cv::Point2d>& points) {
+  const auto chain = [](auto from, auto to) {
+    std::vector<cv::Point2d> side;
+    for (; from != to; ++from) {
+      while (side.size() >= 2 &&
+             (side.back() - side[side.size() - 2]).cross(*from - side[side.size() - 2]) <= 0) {
+        side.pop_back();
+      }
+      side.push_back(*from);
+    }
+    side.pop_back();  // The other side begins with it.
+    return side;
+  };
+  std::vector<cv::Point2d> hull = chain(points.begin(), points.end());
+  const std::vector<cv::Point2d> back = chain(points.rbegin(), points.rend());
+  hull.insert(hull.end(), back.begin(), back.end());
+  return hull;
+}
+
+// Puts a point into the way where that lengthens it least; ties by order.
+void Insert(const std::vector<cv::Point2d>& points, std::vector<cv::Point2d>& way) {
+  std::vector<cv::Point2d> left;
+  for (const cv::Point2d& p : points) {
+    if (std::find(way.begin(), way.end(), p) == way.end()) left.push_back(p);
+  }
+  while (!left.empty()) {
+    std::size_t best_point = 0, best_side = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      for (std::size_t j = 0; j < way.size(); ++j) {
+        const cv::Point2d &a = way[j], &b = way[(j + 1) % way.size()];
+        const double more = cv::norm(left[i] - a) + cv::norm(b - left[i]) - cv::norm(b - a);
+        if (more < least) {
+          least = more;
+          best_point = i;
+          best_side = j;
+        }
+      }
+    }
+    way.insert(way.begin() + static_cast<std::ptrdiff_t>(best_side) + 1, left[best_point]);
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(best_point));
+  }
+}
+
+// Takes the first pair of sides that are longer than the pair of the same corners joined otherwise
+// and joins them so. @returns whether there was one.
+bool Uncross(std::vector<cv::Point2d>& way) {
+  const std::size_t n = way.size();
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    for (std::size_t j = i + 2; j < n; ++j) {
+      const cv::Point2d &a = way[i], &b = way[i + 1], &c = way[j], &d = way[(j + 1) % n];
+      if (cv::norm(a - c) + cv::norm(b - d) < cv::norm(a - b) + cv::norm(c - d) - kEqual_px) {
+        std::reverse(way.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                     way.begin() + static_cast<std::ptrdiff_t>(j) + 1);
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Distance of every pixel of the box from what lies outside the outline or the box; CV_32FC1.
+cv::Mat DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box) {
+  std::vector<cv::Point> corners;
+  for (const cv::Point2d& p : outline) corners.emplace_back(cvRound(p.x), cvRound(p.y));
+  cv::Mat framed, depth;
+  cv::copyMakeBorder(FilledContour(corners, box), framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+  cv::distanceTransform(framed, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return depth(cv::Rect({1, 1}, box.size()));
+}
+
+}  // namespace
+
+std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points) {
+  RequirePixels(points, 0, "points");
+  std::sort(points.begin(), points.end(),
+            [](cv::Point2d a, cv::Point2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<cv::Point2d> way = SortedHull(points);
+  Insert(points, way);
+  while (Uncross(way)) {
+  }
+  return way;
+}
+
+cv::Mat RoomWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box, double radius_px) {
+  if (outline.size() < 3) return cv::Mat::zeros(box.size(), CV_8UC1);
+  const cv::Mat depth = DepthWithin(outline, box);
+  double most = 0;
+  cv::minMaxLoc(depth, nullptr, &most);
+  return depth >= std::min(radius_px, most);
+}
+
+}  // namespace gusset

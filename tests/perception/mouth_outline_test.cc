@@ -1,0 +1,139 @@
+#include "perception/mouth_outline.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace gusset {
+namespace {
+
+using Points = std::vector<cv::Point2d>;
+
+double Length(const Points& way) {
+  double length = 0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    length += cv::norm(way[i] - way[(i + 1) % way.size()]);
+  }
+  return length;
+}
+
+// By trying every order of all points but the first.
+double ShortestLength(Points points) {
+  const auto before = [](cv::Point2d a, cv::Point2d b) {
+    return a.x != b.x ? a.x < b.x : a.y < b.y;
+  };
+  std::sort(points.begin(), points.end(), before);
+  double shortest = std::numeric_limits<double>::infinity();
+  do {
+    shortest = std::min(shortest, Length(points));
+  } while (std::next_permutation(points.begin() + 1, points.end(), before));
+  return shortest;
+}
+
+// Labels of two lips 16 px apart round a folded corner.
+Points BentMouth() {
+  return {{100, 100}, {140, 100}, {180, 100}, {180, 140}, {180, 180},
+          {100, 116}, {132, 116}, {164, 116}, {164, 148}, {164, 180}};
+}
+
+TEST(MouthOutline, OfARingIsTheRing) {
+  Points ring;
+  for (int i = 0; i < 10; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 10;
+    ring.emplace_back(240 + 60 * std::cos(angle), 240 + 40 * std::sin(angle));
+  }
+  Points shuffled = ring;
+  Rng rng(1);
+  rng.Shuffle(shuffled);
+  EXPECT_NEAR(Length(MouthOutline(shuffled)), Length(ring), 1e-9);
+}
+
+TEST(MouthOutline, IsTheShortestWayRoundSevenPoints) {
+  Rng rng(2);
+  int shortest = 0;
+  const int trials = 100;
+  for (int trial = 0; trial < trials; ++trial) {
+    Points points;
+    for (int i = 0; i < 7; ++i) points.emplace_back(rng.Uniform(0, 100), rng.Uniform(0, 100));
+    const double length = Length(MouthOutline(points)), best = ShortestLength(points);
+    EXPECT_GE(length, best - 1e-9);
+    EXPECT_LE(length, 1.1 * best);
+    shortest += length <= best + 1e-9 ? 1 : 0;
+  }
+  EXPECT_GE(shortest, 0.95 * trials);
+}
+
+TEST(MouthOutline, LeavesOutTheClothBetweenTheArmsOfABentMouth) {
+  Points mouth = MouthOutline(BentMouth());
+  std::vector<cv::Point2f> outline(mouth.begin(), mouth.end()), hull;
+  cv::convexHull(outline, hull);
+  EXPECT_NEAR(cv::contourArea(outline), 16 * (80 + 64), 200) << "a corner may be cut";
+  EXPECT_GT(cv::contourArea(hull), 4000);
+  EXPECT_LT(cv::pointPolygonTest(outline, {145, 140}, false), 0);
+  EXPECT_GT(cv::pointPolygonTest(hull, {145, 140}, false), 0);
+}
+
+TEST(MouthOutline, DoesNotDependOnTheOrderOfItsPoints) {
+  Rng rng(3);
+  Points points = BentMouth();
+  const Points first = MouthOutline(points);
+  for (int trial = 0; trial < 20; ++trial) {
+    rng.Shuffle(points);
+    EXPECT_EQ(MouthOutline(points), first);
+  }
+}
+
+TEST(MouthOutline, TakesPointsOnALineTwiceOrTooFew) {
+  EXPECT_EQ(MouthOutline({}).size(), 0u);
+  EXPECT_EQ(MouthOutline({{1, 2}, {1, 2}, {1, 2}}).size(), 1u);
+  EXPECT_EQ(MouthOutline({{1, 2}, {3, 4}}).size(), 2u);
+  const Points line = MouthOutline({{0, 0}, {30, 0}, {10, 0}, {20, 0}});
+  EXPECT_EQ(line.size(), 4u);
+  EXPECT_DOUBLE_EQ(Length(line), 60);
+  EXPECT_THROW(MouthOutline({{0, 0}, {1, std::nan("")}, {2, 2}}), InputError);
+}
+
+TEST(RoomWithin, IsWhereADiscFits) {
+  const cv::Rect box(100, 50, 200, 150);
+  const Points square = {{150, 80}, {230, 80}, {230, 160}, {150, 160}};
+  const cv::Mat room = RoomWithin(square, box, 15);
+  ASSERT_EQ(room.size(), box.size());
+  // A square of 80, its border included, less 15 at every side.
+  const cv::Rect found = cv::boundingRect(room);
+  EXPECT_NEAR(found.x, 150 + 15 - 100, 1);
+  EXPECT_NEAR(found.y, 80 + 15 - 50, 1);
+  EXPECT_NEAR(found.width, 51, 2);
+  EXPECT_NEAR(found.height, 51, 2);
+}
+
+TEST(RoomWithin, OfANarrowMouthIsWhatLiesFarthestInside) {
+  const cv::Rect box(0, 0, 200, 200);
+  const Points slit = {{20, 90}, {180, 90}, {180, 100}, {20, 100}};
+  const cv::Mat room = RoomWithin(slit, box, 18);
+  Points inside;
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      if (room.at<uchar>(y, x) != 0) inside.emplace_back(x, y);
+    }
+  }
+  ASSERT_FALSE(inside.empty());
+  for (const cv::Point2d& p : inside) EXPECT_NEAR(p.y, 95, 0.6);
+}
+
+TEST(RoomWithin, EndsAtTheImagesEdgeAndIsNothingForTwoPoints) {
+  const cv::Rect box(0, 0, 100, 100);
+  const cv::Mat room = RoomWithin({{-50, -50}, {150, -50}, {150, 150}, {-50, 150}}, box, 10);
+  EXPECT_EQ(room.at<uchar>(5, 50), 0);
+  EXPECT_NE(room.at<uchar>(50, 50), 0);
+  EXPECT_EQ(cv::countNonZero(RoomWithin({{10, 10}, {50, 50}}, box, 10)), 0);
+}
+
+}  // namespace
+}  // namespace gusset
