@@ -161,8 +161,11 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
         return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, mouth,
                          config_.pick_place, config_.scratch_drag, motion);
       case State::kFilled:
-        return CloseCarry(tool, p_W, along_W, mouth, config_.close_carry, config_.scratch_drag,
-                          motion);
+        return CloseCarry(tool, p_W, along_W, mouth,
+                          before_.cube ? before_.cube->p_W
+                                       : camera_.model().OntoPlane(before_.bag_centroid, table_m),
+                          thresholds_.filled_N, config_.close_carry, config_.scratch_drag,
+                          config_.grasp_lift, motion);
       default:
         throw std::logic_error("no action is afforded in s4 and s5");
     }

@@ -30,11 +30,20 @@ void LayLipOver(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& gra
   tool.Fingers(config.opening_m);
 }
 
+// Lays the bag out to the side of the table where the cube is not.
+void LayDownAgain(ToolMotion& tool, const Eigen::Vector3d& cube_W, double closing,
+                  const CloseCarryConfig& config, const GraspLiftConfig& lift) {
+  const Eigen::Vector3d away = -At(cube_W, 0).normalized();
+  LayDown(tool, At(-config.behind_m * away, config.lift_height_m), lift.reach_m * away, closing,
+          config.opening_m, lift);
+}
+
 }  // namespace
 
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-                const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
-                const ScratchDragConfig& drag, const MotionConfig& motion) {
+                const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W, double filled_N,
+                const CloseCarryConfig& config, const ScratchDragConfig& drag,
+                const GraspLiftConfig& lift, const MotionConfig& motion) {
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
   const double closing = AngleOf(closing_W);
 
@@ -52,6 +61,13 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
   tool.Go(At(grasp, config.upright_m), config.lift_speed_m_s);
   const Eigen::Vector3d high = At(Within(config.column_m, At(grasp, 0)), config.lift_height_m);
   tool.GoTilted(high, closing, config.tilt_deg * std::numbers::pi / 180, config.lift_speed_m_s);
+  tool.GoToWaitingPose();
+
+  // Weigh it: what is too light has lost the cube.
+  tool.Wait(config.weigh_after_s);
+  if (tool.FeltForce() >= filled_N) return;
+  tool.Note("too light: laid down again");
+  LayDownAgain(tool, cube_W, closing, config, lift);
 }
 
 }  // namespace gusset

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "agents/primitives/grasp_lift.h"
 #include "agents/primitives/mouth.h"
 #include "agents/primitives/scratch_drag.h"
 #include "agents/primitives/tool_motion.h"
@@ -25,7 +26,10 @@ struct CloseCarryConfig {
   double upright_m = 0.10;  ///< Straight up to here, then also towards the table's middle ...
   double column_m = 0.08;   ///< ... to within so far of it, where the arm reaches high.
   double lift_height_m = 0.30;
-  double tilt_deg = -29;  ///< There; < 0: the wrist leans away from the base.
+  double tilt_deg = -29;     ///< There; < 0: the wrist leans away from the base.
+  double weigh_after_s = 1;  ///< In the waiting pose it has stopped swinging so much later.
+  double behind_m = 0.05;    ///< A bag too light to have the cube in it is laid down again, from so
+                             ///< far on the cube's side of the table's middle to the other.
 
   template <class V>
   void Fields(V& v) {
@@ -41,6 +45,8 @@ struct CloseCarryConfig {
     v("column_m", column_m, Range{0, 0.2});
     v("lift_height_m", lift_height_m, Range{0.1, 0.36});
     v("tilt_deg", tilt_deg, Range{-40, 40});
+    v("weigh_after_s", weigh_after_s, Range{0, 10});
+    v("behind_m", behind_m, Range{0, 0.2});
   }
 };
 
@@ -51,7 +57,8 @@ struct CloseCarryConfig {
 /// @param mouth none if it is not seen: then nothing is drawn, and the grasp is at p_W.
 /// @param drag how a lip is drawn.
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-                const std::optional<Mouth>& mouth, const CloseCarryConfig& config,
-                const ScratchDragConfig& drag, const MotionConfig& motion);
+                const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W, double filled_N,
+                const CloseCarryConfig& config, const ScratchDragConfig& drag,
+                const GraspLiftConfig& lift, const MotionConfig& motion);
 
 }  // namespace gusset

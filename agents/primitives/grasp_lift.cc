@@ -18,15 +18,8 @@ constexpr double kNear_m = 0.03;    // guarded moves begin this far above the ta
 // With what is held at from_W up, over to high_W, and down to to_W; lets go.
 void Stroke(ToolMotion& tool, const Vector3d& from_W, const Vector3d& high_W, const Vector3d& to_W,
             const GraspLiftConfig& config, const MotionConfig& motion) {
-  const double height = high_W.z();
-  const double tilt = height > config.tilt_above_m ? config.tilt_deg * kDegree : 0;
-  tool.Go(At(from_W, std::min(height, motion.approach_m)), config.lift_speed_m_s);
-  tool.GoTilted(high_W, kClosing_rad, tilt, config.lift_speed_m_s);
-  tool.GoTilted(At(0.5 * (high_W + to_W), 0.6 * height), kClosing_rad, 0.5 * tilt,
-                config.lay_speed_m_s);
-  tool.GoTilted(At(to_W, config.release_height_m), kClosing_rad, 0, config.lay_speed_m_s);
-  tool.Fingers(config.release_opening_m);
-  tool.Go(At(to_W, config.rise_m), config.rise_speed_m_s);
+  tool.Go(At(from_W, std::min(high_W.z(), motion.approach_m)), config.lift_speed_m_s);
+  LayDown(tool, high_W, to_W, kClosing_rad, config.release_opening_m, config);
 }
 
 // Finds the bag's edge by feel: tries from outside inwards until something is between the fingers.
@@ -67,6 +60,18 @@ Vector3d Reachable(double reach_m, const Vector3d& p_W, const Vector3d& inside_W
 }
 
 }  // namespace
+
+void LayDown(ToolMotion& tool, const Vector3d& high_W, const Vector3d& to_W, double closing_rad,
+             double opening_m, const GraspLiftConfig& config) {
+  const double height = high_W.z();
+  const double tilt = height > config.tilt_above_m ? config.tilt_deg * kDegree : 0;
+  tool.GoTilted(high_W, closing_rad, tilt, config.lift_speed_m_s);
+  tool.GoTilted(At(0.5 * (high_W + to_W), 0.6 * height), closing_rad, 0.5 * tilt,
+                config.lay_speed_m_s);
+  tool.GoTilted(At(to_W, config.release_height_m), closing_rad, 0, config.lay_speed_m_s);
+  tool.Fingers(opening_m);
+  tool.Go(At(to_W, config.rise_m), config.rise_speed_m_s);
+}
 
 void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, int parameter,
                const GraspLiftConfig& config, const MotionConfig& motion) {

@@ -61,6 +61,13 @@ struct GraspLiftConfig {
   }
 };
 
+/// Lays what is held down along the way from high_W to to_W, its far end first, and lets go.
+/// @param high_W over the table; there the tool is tilted, as tilt_deg has it, if that is high.
+/// @param closing_rad the fingers' direction, as for DownwardTool.
+/// @param opening_m so far they open.
+void LayDown(ToolMotion& tool, const Eigen::Vector3d& high_W, const Eigen::Vector3d& to_W,
+             double closing_rad, double opening_m, const GraspLiftConfig& config);
+
 /// Unfolds in five strokes. The first grasps the bag at p_W, or as near it as the arm reaches,
 /// lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and beyond, so
 /// that it hangs and unfolds under its weight, and lays it across the middle: its far end comes

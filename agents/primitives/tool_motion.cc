@@ -99,6 +99,8 @@ double ToolMotion::Fingers(double opening_m) {
   return opening_m_;
 }
 
+void ToolMotion::GoToWaitingPose() { Finish(robot_.MoveToWaitingPose(), "waiting pose"); }
+
 void ToolMotion::LetGoAndRise() {
   OpenFingers();
   const Eigen::Isometry3d X_WT = robot_.Read().X_WT;

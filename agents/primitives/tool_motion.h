@@ -101,6 +101,11 @@ class ToolMotion {
   /// As wide as they go. @returns the opening reached.
   double OpenFingers() { return Fingers(robot_.max_opening_m()); }
   void Wait(double seconds) { robot_.Wait(seconds); }
+  /// To where the arm waits outside the camera's view.
+  void GoToWaitingPose();
+  /// What pulls or pushes at the tool now, N, as felt in the joints; at rest, the weight of what is
+  /// held.
+  double FeltForce() { return robot_.Read().tool_force_N; }
   /// For the log: what was done instead of what was meant, in a few words.
   void Note(std::string note) { note_ = std::move(note); }
   const std::string& note() const { return note_; }

@@ -428,6 +428,36 @@ TEST_F(BaggingEnvTest, CloseCarryKeepsHoldOfTheBag) {
   EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
 }
 
+TEST_F(BaggingEnvTest, CloseCarryLaysABagThatIsTooLightDownAgainAwayFromTheCube) {
+  const double filled_N = config_.chosen_thresholds().filled_N;
+  for (const double weight_N : {1.01 * filled_N, 0.99 * filled_N}) {
+    for (const cv::Point2d& cube_px : {cv::Point2d(300, 160), cv::Point2d(345, 180)}) {
+      rig_.weight_N = weight_N;
+      rig_.cube_in_mouth_px = cube_px;
+      const Outcome outcome = Act(3, 40, 3);
+      const auto first_home = std::find_if(rig_.moves.begin(), rig_.moves.end(), [](const Move& m) {
+        return m.kind == Move::kWaitingPose;
+      });
+      const auto opened = std::find_if(first_home, rig_.moves.end(), [](const Move& m) {
+        return m.kind == Move::kFingers && m.value > 0;
+      });
+      EXPECT_EQ(rig_.moves.back().kind, Move::kWaitingPose);
+      if (weight_N > filled_N) {
+        EXPECT_EQ(outcome.log["note"], "");
+        EXPECT_TRUE(opened == rig_.moves.end()) << "let go of what it should carry";
+        continue;
+      }
+      EXPECT_EQ(outcome.log["note"], "too light: laid down again");
+      ASSERT_TRUE(opened != rig_.moves.end());
+      const Eigen::Vector3d laid = opened->X_WT.translation();
+      const Eigen::Vector2d cube = env_.before().cube->p_W.head<2>();
+      EXPECT_LT(laid.head<2>().normalized().dot(cube.normalized()), -0.999);
+      EXPECT_LE(laid.head<2>().norm(), 0.25) << "beyond the arm's reach";
+      EXPECT_LE(laid.z(), 0.02);
+    }
+  }
+}
+
 TEST_F(BaggingEnvTest, CloseCarryClosesAtTheTableAndLiftsWhereTheArmReaches) {
   for (const int point : {0, 40, 80}) {
     (void)Act(3, point, 4);
@@ -464,8 +494,8 @@ TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {
   const auto grasp = [&](const Eigen::Vector3d& p_W, const std::optional<Mouth>& seen) {
     rig_.moves.clear();
     ToolMotion tool(rig_, config_.motion);
-    CloseCarry(tool, p_W, {1, 0, 0}, seen, config_.close_carry, config_.scratch_drag,
-               config_.motion);
+    CloseCarry(tool, p_W, {1, 0, 0}, seen, p_W, 0, config_.close_carry, config_.scratch_drag,
+               config_.grasp_lift, config_.motion);
     return Eigen::Vector2d(HeldPath().front().head<2>());
   };
   const Eigen::Vector3d deep(aside, 0.1, 0);
@@ -486,8 +516,8 @@ TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
   const auto moves = [&](const std::optional<Mouth>& mouth) {
     rig_.moves.clear();
     ToolMotion tool(rig_, config_.motion);
-    CloseCarry(tool, {0, 0, 0}, {1, 0, 0}, mouth, config_.close_carry, config_.scratch_drag,
-               config_.motion);
+    CloseCarry(tool, {0, 0, 0}, {1, 0, 0}, mouth, {0, 0, 0}, 0, config_.close_carry,
+               config_.scratch_drag, config_.grasp_lift, config_.motion);
     return HeldPath().size();
   };
   EXPECT_EQ(moves(std::nullopt), 2u);

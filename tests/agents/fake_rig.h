@@ -29,6 +29,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
   double nothing_beyond_m = 1e9;     ///< ... unless they are so far from the table's middle.
   double cloth_between_fingers_m = 0.005;
+  double weight_N = 1;           ///< Of what is held.
   double contact_height_m = -1;  ///< Guarded moves stop here, if they reach that far down.
   Truth truth;
   std::vector<Move> moves;
@@ -85,7 +86,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     return state == 2 ? 0.035 : cloth_between_fingers_m;
   }
   void Wait(double seconds) override { time_s_ += seconds; }
-  RobotReading Read() override { return {{}, {}, X_WT_, 0, 0}; }
+  RobotReading Read() override { return {{}, {}, X_WT_, weight_N, 0}; }
   double max_opening_m() const override { return 0.085; }
 
   Truth Judge() override { return truth; }

@@ -68,13 +68,15 @@ TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
   EXPECT_TRUE(carried->true_success);
   EXPECT_EQ(carried->reward, 1);
   // Held far behind its mouth, where the point says and not beside it at the rim, the bag tips
-  // over.
+  // over; not weighed, it is carried off without the cube.
   BaggingConfig deep = settings_.bagging;
   deep.close_carry.rim_inset_m = 1;
+  deep.thresholds.gusset.filled_N = 0;
   BaggingEnv careless(testbed_->scene(), testbed_->camera(), testbed_->robot(), testbed_->referee(),
                       deep);
   std::optional<Outcome> dropped;
-  for (int point = 80; point >= 0 && !dropped; point -= 4) {
+  int point = 80;
+  for (; point >= 0 && !dropped; point -= 4) {
     (void)careless.Begin(filled->after, static_cast<std::uint64_t>(point));
     Outcome outcome = careless.Act(point);
     if (outcome.next.state == 5) dropped = std::move(outcome);
@@ -84,6 +86,17 @@ TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
   EXPECT_FALSE(dropped->truth.cube_in_bag);
   EXPECT_FALSE(dropped->true_success);
   EXPECT_LT(dropped->truth.lowest_point_m, 0.03) << "the cube lies on the table";
+
+  // The same, weighed: the bag comes back.
+  deep.thresholds.gusset.filled_N = settings_.bagging.thresholds.gusset.filled_N;
+  BaggingEnv weighing(testbed_->scene(), testbed_->camera(), testbed_->robot(), testbed_->referee(),
+                      deep);
+  (void)weighing.Begin(filled->after, static_cast<std::uint64_t>(point + 4));
+  const Outcome back = weighing.Act(point + 4);
+  EXPECT_EQ(back.log["note"], "too light: laid down again");
+  EXPECT_FALSE(back.done);
+  EXPECT_FALSE(back.truth.bag_held);
+  EXPECT_LT(back.next.state, 4);
 
   EXPECT_EQ(seen_.size(), 6u);
   for (const Outcome& reached : {*open, *filled, *carried, *dropped}) {
