@@ -80,20 +80,29 @@ void CheckThresholds(const ConfigTree& tree, const std::string& section, const B
   below("A_oth", t.A_oth, "A_omax", t.A_omax);
 }
 
-void CheckDrag(const ConfigTree& tree, const ScratchDragConfig& drag) {
-  if (drag.drag_least_m <= drag.drag_most_m) return;
-  const std::string least = "primitives.scratch_drag.drag_least_m";
-  const std::string most = "primitives.scratch_drag.drag_most_m";
-  if (tree.Has(least))
-    RefuseBeside(tree, least, drag.drag_least_m, "above drag_most_m", drag.drag_most_m);
-  RefuseBeside(tree, most, drag.drag_most_m, "below drag_least_m", drag.drag_least_m);
+// Two ends of a range; the one that is given is refused if they are the wrong way round.
+void CheckOrder(const ConfigTree& tree, const std::string& section, const std::string& least,
+                double least_value, const std::string& most, double most_value) {
+  if (least_value <= most_value) return;
+  if (tree.Has(section + "." + least))
+    RefuseBeside(tree, section + "." + least, least_value, "above " + most, most_value);
+  RefuseBeside(tree, section + "." + most, most_value, "below " + least, least_value);
 }
 
 }  // namespace
 
 void BaggingConfig::Read(ConfigTree& tree) {
   VisitSections(*this, Sections{tree});
-  CheckDrag(tree, scratch_drag);
+  CheckOrder(tree, "primitives.scratch_drag", "drag_least_m", scratch_drag.drag_least_m,
+             "drag_most_m", scratch_drag.drag_most_m);
+  CheckOrder(tree, "perception", "hem_min_px", perception.hem_min_px, "hem_max_px",
+             perception.hem_max_px);
+  CheckOrder(tree, "perception", "depth_min_m", perception.depth_min_m, "depth_max_m",
+             perception.depth_max_m);
+  CheckOrder(tree, "perception", "cube_min_px2", perception.cube_min_px2, "cube_max_px2",
+             perception.cube_max_px2);
+  CheckOrder(tree, "perception", "bag_min_px2", perception.bag_min_px2, "bag_max_px2",
+             perception.bag_max_px2);
   CheckThresholds(tree, "thresholds", thresholds.gusset);
   if (tree.Has("thresholds_published")) {
     published.emplace();

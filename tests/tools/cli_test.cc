@@ -100,6 +100,10 @@ TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
                 "primitives.scratch_drag.drag_most_m = 0.15 is below drag_least_m = 0.19");
   ExpectRefused("train --set primitives.scratch_drag.drag_least_m=0.25" + out,
                 "primitives.scratch_drag.drag_least_m = 0.25 is above drag_most_m = 0.2");
+  ExpectRefused("train --set perception.hem_min_px=9.5" + out,
+                "perception.hem_min_px = 9.5 is above hem_max_px = 9");
+  ExpectRefused("train --set perception.depth_max_m=0.2" + out,
+                "perception.depth_max_m = 0.2 is below depth_min_m = 0.3");
   ExpectRefused("train --config /nowhere.toml" + out, "/nowhere.toml");
   EXPECT_FALSE(fs::exists(dir_ / "run")) << "nothing is written before the input is known good";
 }
