@@ -173,8 +173,7 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
         return CloseCarry(tool, p_W, along_W, mouth,
                           before_.cube ? before_.cube->p_W
                                        : camera_.model().OntoPlane(before_.bag_centroid, table_m),
-                          thresholds_.filled_N, config_.close_carry, config_.scratch_drag,
-                          config_.grasp_lift, motion);
+                          config_.close_carry, config_.scratch_drag, config_.grasp_lift, motion);
       default:
         throw std::logic_error("no action is afforded in s4 and s5");
     }

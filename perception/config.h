@@ -114,8 +114,6 @@ struct BagThresholds {
   double A_omax = 3900;   ///< Opening area that earns reward 1.
   double A_flat = 34950;  ///< The bag laid flat.
   int labels_per_layer = 5;
-  double filled_N =
-      0.7;  ///< Held up, the bag weighs more with the cube in it: 52 g and half of 40.
 
   template <class V>
   void Fields(V& v) {
@@ -125,7 +123,6 @@ struct BagThresholds {
     v("A_omax", A_omax, Range{1, 1e6});
     v("A_flat", A_flat, Range{1, 1e6});
     v("labels_per_layer", labels_per_layer, Range{2, 50});
-    v("filled_N", filled_N, Range{0, 100});
   }
 };
 

@@ -13,23 +13,12 @@ namespace {
 // Sides shorter by less than this are equal: rounding alone must not make 2-opt turn for ever.
 constexpr double kEqual_px = 1e-9;
 
-// The hull of points sorted by x, then y (Andrew 1979).
-std::vector<cv::Point2d> SortedHull(const std::vector<cv::Point2d>& points) {
-  const auto chain = [](auto from, auto to) {
-    std::vector<cv::Point2d> side;
-    for (; from != to; ++from) {
-      while (side.size() >= 2 &&
-             (side.back() - side[side.size() - 2]).cross(*from - side[side.size() - 2]) <= 0) {
-        side.pop_back();
-      }
-      side.push_back(*from);
-    }
-    side.pop_back();  // The other side begins with it.
-    return side;
-  };
-  std::vector<cv::Point2d> hull = chain(points.begin(), points.end());
-  const std::vector<cv::Point2d> back = chain(points.rbegin(), points.rend());
-  hull.insert(hull.end(), back.begin(), back.end());
+std::vector<cv::Point2d> Hull(const std::vector<cv::Point2d>& points) {
+  const std::vector<cv::Point2f> floats(points.begin(), points.end());
+  std::vector<int> corners;
+  cv::convexHull(floats, corners, /*clockwise=*/false, /*returnPoints=*/false);
+  std::vector<cv::Point2d> hull;
+  for (const int corner : corners) hull.push_back(points[static_cast<std::size_t>(corner)]);
   return hull;
 }
 
@@ -89,11 +78,10 @@ cv::Mat DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box
 
 std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points) {
   RequirePixels(points, 0, "points");
-  std::sort(points.begin(), points.end(),
-            [](cv::Point2d a, cv::Point2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  SortByXThenY(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3) return points;
-  std::vector<cv::Point2d> way = SortedHull(points);
+  std::vector<cv::Point2d> way = Hull(points);
   Insert(points, way);
   while (Uncross(way)) {
   }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "perception/require.h"
+#include "perception/shapes.h"
 
 namespace gusset {
 namespace {
@@ -85,8 +86,7 @@ Opening MeasureOpening(std::vector<cv::Point2d> points) {
   Opening opening;
   if (points.empty()) return opening;
   RequirePixels(points, 0, "points");
-  std::sort(points.begin(), points.end(),
-            [](cv::Point2d a, cv::Point2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  SortByXThenY(points);
   cv::Point2d mean(0, 0);
   for (const cv::Point2d& point : points) mean += point;
   mean /= static_cast<double>(points.size());

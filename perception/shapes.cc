@@ -12,6 +12,11 @@ cv::Mat FilledContour(const std::vector<cv::Point>& contour, const cv::Rect& box
   return mask;
 }
 
+void SortByXThenY(std::vector<cv::Point2d>& points) {
+  std::sort(points.begin(), points.end(),
+            [](cv::Point2d a, cv::Point2d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+}
+
 cv::Point2d LongerAxis(double xx, double xy, double yy) {
   const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
   return {std::cos(angle), std::sin(angle)};

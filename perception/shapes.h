@@ -9,6 +9,9 @@ namespace gusset {
 /// `box`. The contour counts in the pixels that the box lies in.
 cv::Mat FilledContour(const std::vector<cv::Point>& contour, const cv::Rect& box);
 
+/// For results that do not depend on the order of points.
+void SortByXThenY(std::vector<cv::Point2d>& points);
+
 /// Unit vector along the longer principal axis of second moments about the centroid; either sense.
 cv::Point2d LongerAxis(double xx, double xy, double yy);
 

@@ -41,7 +41,7 @@ void LayDownAgain(ToolMotion& tool, const Eigen::Vector3d& cube_W, double closin
 }  // namespace
 
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-                const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W, double filled_N,
+                const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W,
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,
                 const GraspLiftConfig& lift, const MotionConfig& motion) {
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
@@ -65,7 +65,7 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
 
   // Weigh it: what is too light has lost the cube.
   tool.Wait(config.weigh_after_s);
-  if (tool.FeltForce() >= filled_N) return;
+  if (tool.FeltForce() >= config.filled_N) return;
   tool.Note("too light: laid down again");
   LayDownAgain(tool, cube_W, closing, config, lift);
 }

@@ -28,8 +28,10 @@ struct CloseCarryConfig {
   double lift_height_m = 0.30;
   double tilt_deg = -29;     ///< There; < 0: the wrist leans away from the base.
   double weigh_after_s = 1;  ///< In the waiting pose it has stopped swinging so much later.
-  double behind_m = 0.05;    ///< A bag too light to have the cube in it is laid down again, from so
-                             ///< far on the cube's side of the table's middle to the other.
+  double filled_N = 0.7;     ///< What weighs less then has lost the cube: Bag 1's 52 g and half of
+                             ///< the cube's 40. Each bag's file has its own.
+  double behind_m = 0.05;  ///< It is laid down again, from so far on the cube's side of the table's
+                           ///< middle to the other.
 
   template <class V>
   void Fields(V& v) {
@@ -46,18 +48,21 @@ struct CloseCarryConfig {
     v("lift_height_m", lift_height_m, Range{0.1, 0.36});
     v("tilt_deg", tilt_deg, Range{-40, 40});
     v("weigh_after_s", weigh_after_s, Range{0, 10});
+    v("filled_N", filled_N, Range{0, 100});
     v("behind_m", behind_m, Range{0, 0.2});
   }
 };
 
 /// Draws the mouth's lips together over what lies in it, closes the gripper on both at p_W, or
-/// beside it at the rim, and lifts the bag.
-/// The waiting pose, to which the arm then goes with what it holds, is the rest of mu_carry.
+/// beside it at the rim, lifts the bag and carries it to the waiting pose. There it is weighed: one
+/// too light to have the cube in it is laid down on the table again and let go.
 /// @param closing_W horizontal direction along which the fingers close.
 /// @param mouth none if it is not seen: then nothing is drawn, and the grasp is at p_W.
-/// @param drag how a lip is drawn.
+/// @param cube_W where the cube is, or the bag if it hides the cube: a bag is laid down away from
+/// it.
+/// @param drag how a lip is drawn. @param lift how a bag is laid down.
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-                const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W, double filled_N,
+                const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W,
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,
                 const GraspLiftConfig& lift, const MotionConfig& motion);
 

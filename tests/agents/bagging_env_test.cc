@@ -429,7 +429,7 @@ TEST_F(BaggingEnvTest, CloseCarryKeepsHoldOfTheBag) {
 }
 
 TEST_F(BaggingEnvTest, CloseCarryLaysABagThatIsTooLightDownAgainAwayFromTheCube) {
-  const double filled_N = config_.chosen_thresholds().filled_N;
+  const double filled_N = config_.close_carry.filled_N;
   for (const double weight_N : {1.01 * filled_N, 0.99 * filled_N}) {
     for (const cv::Point2d& cube_px : {cv::Point2d(300, 160), cv::Point2d(345, 180)}) {
       rig_.weight_N = weight_N;
@@ -494,7 +494,7 @@ TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {
   const auto grasp = [&](const Eigen::Vector3d& p_W, const std::optional<Mouth>& seen) {
     rig_.moves.clear();
     ToolMotion tool(rig_, config_.motion);
-    CloseCarry(tool, p_W, {1, 0, 0}, seen, p_W, 0, config_.close_carry, config_.scratch_drag,
+    CloseCarry(tool, p_W, {1, 0, 0}, seen, p_W, config_.close_carry, config_.scratch_drag,
                config_.grasp_lift, config_.motion);
     return Eigen::Vector2d(HeldPath().front().head<2>());
   };
@@ -516,7 +516,7 @@ TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
   const auto moves = [&](const std::optional<Mouth>& mouth) {
     rig_.moves.clear();
     ToolMotion tool(rig_, config_.motion);
-    CloseCarry(tool, {0, 0, 0}, {1, 0, 0}, mouth, {0, 0, 0}, 0, config_.close_carry,
+    CloseCarry(tool, {0, 0, 0}, {1, 0, 0}, mouth, {0, 0, 0}, config_.close_carry,
                config_.scratch_drag, config_.grasp_lift, config_.motion);
     return HeldPath().size();
   };

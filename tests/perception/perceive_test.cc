@@ -259,12 +259,13 @@ TEST(Perceive, TurningTheImageKeepsTheNumbering) {
       const Observation after = Look(turned);
       ASSERT_EQ(static_cast<int>(after.state), state);
       EXPECT_EQ(after.A_bag, before.A_bag);
-      // Pixels turn exactly; only ties may fall otherwise: between contour points, and between
-      // pixels to which a place point is moved.
+      // Pixels turn exactly; only ties between contour points may fall otherwise, and in s2 ties
+      // between the pixels to which a place point is moved.
       for (auto member : {&Observation::grasp_points, &Observation::place_points}) {
         std::vector<cv::Point2d> expected;
         for (const PosePoint& p : before.*member) expected.emplace_back(339 - p.px.y, p.px.x);
-        ExpectNear(Pixels(after.*member), expected, 3.5);
+        const bool moved = state == 2 && member == &Observation::place_points;
+        ExpectNear(Pixels(after.*member), expected, moved ? 3.5 : 1.5);
       }
       frame = turned;
       before = after;

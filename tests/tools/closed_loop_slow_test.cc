@@ -71,15 +71,17 @@ TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
   // over; not weighed, it is carried off without the cube.
   BaggingConfig deep = settings_.bagging;
   deep.close_carry.rim_inset_m = 1;
-  deep.thresholds.gusset.filled_N = 0;
+  deep.close_carry.filled_N = 0;
   BaggingEnv careless(testbed_->scene(), testbed_->camera(), testbed_->robot(), testbed_->referee(),
                       deep);
   std::optional<Outcome> dropped;
-  int point = 80;
-  for (; point >= 0 && !dropped; point -= 4) {
+  int lost_at = -1;
+  for (int point = 80; point >= 0 && !dropped; point -= 4) {
     (void)careless.Begin(filled->after, static_cast<std::uint64_t>(point));
     Outcome outcome = careless.Act(point);
-    if (outcome.next.state == 5) dropped = std::move(outcome);
+    if (outcome.next.state != 5) continue;
+    dropped = std::move(outcome);
+    lost_at = point;
   }
   ASSERT_TRUE(dropped) << "no careless carry loses the cube";
   seen_.insert(dropped->next.state);
@@ -88,11 +90,11 @@ TEST_F(ClosedLoop, ReachesAllSixStatesByPhysicsAndRecognisesThem) {
   EXPECT_LT(dropped->truth.lowest_point_m, 0.03) << "the cube lies on the table";
 
   // The same, weighed: the bag comes back.
-  deep.thresholds.gusset.filled_N = settings_.bagging.thresholds.gusset.filled_N;
+  deep.close_carry.filled_N = settings_.bagging.close_carry.filled_N;
   BaggingEnv weighing(testbed_->scene(), testbed_->camera(), testbed_->robot(), testbed_->referee(),
                       deep);
-  (void)weighing.Begin(filled->after, static_cast<std::uint64_t>(point + 4));
-  const Outcome back = weighing.Act(point + 4);
+  (void)weighing.Begin(filled->after, static_cast<std::uint64_t>(lost_at));
+  const Outcome back = weighing.Act(lost_at);
   EXPECT_EQ(back.log["note"], "too light: laid down again");
   EXPECT_FALSE(back.done);
   EXPECT_FALSE(back.truth.bag_held);
