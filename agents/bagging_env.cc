@@ -53,12 +53,15 @@ const PosePoint& ChosenPoint(const Observation& seen, int point) {
 std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
                              double table_height_m) {
   if (!seen.lips || !seen.rim) return std::nullopt;
-  const auto at = [&](double x, double y) {
-    return camera.OntoPlane(seen.opening_centre.px + cv::Point2d(x, y), table_height_m);
-  };
-  const double m2_per_px2 = (at(1, 0) - at(0, 0)).norm() * (at(0, 1) - at(0, 0)).norm();
-  return Mouth{seen.lips->near.p_W, seen.lips->drawn.p_W, seen.rim->outward_W,
-               seen.A_o * m2_per_px2};
+  Mouth mouth{seen.lips->near.p_W, seen.lips->drawn.p_W, seen.rim->outward_W};
+  if (seen.width) {
+    const auto at = [&](double x) {
+      return camera.OntoPlane(seen.opening_centre.px + cv::Point2d(x, 0), table_height_m);
+    };
+    mouth.width = {seen.width->radius_px * (at(1) - at(0)).norm(),
+                   {seen.width->sides[0].p_W, seen.width->sides[1].p_W}};
+  }
+  return mouth;
 }
 
 // Refuses a value for what another one is. @param than as "not below thresholds.A_flat".

@@ -96,4 +96,30 @@ cv::Mat RoomWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box,
   return depth >= std::min(radius_px, most);
 }
 
+std::optional<MouthWidth> MeasureWidth(const std::vector<cv::Point2d>& outline,
+                                       const cv::Rect& box) {
+  if (outline.size() < 3) return std::nullopt;
+  const cv::Mat depth = DepthWithin(outline, box);
+  const auto inside = [&](cv::Point2d p) {
+    const cv::Point pixel(cvRound(p.x), cvRound(p.y));
+    return cv::Rect({0, 0}, box.size()).contains(pixel) && depth.at<float>(pixel) > 0;
+  };
+  MouthWidth width;
+  cv::Point deepest;
+  cv::minMaxLoc(depth, nullptr, &width.radius_px, nullptr, &deepest);
+  if (width.radius_px <= 0) return std::nullopt;
+
+  const cv::Moments m = cv::moments(depth > 0, /*binaryImage=*/true);
+  const cv::Point2d along = LongerAxis(m.mu20, m.mu11, m.mu02);
+  cv::Point2d middle(m.m10 / m.m00, m.m01 / m.m00);
+  if (!inside(middle)) middle = deepest;  // of a mouth that is bent
+  for (const int side : {0, 1}) {
+    const cv::Point2d step = (side == 0 ? 1 : -1) * cv::Point2d(-along.y, along.x);
+    cv::Point2d p = middle;
+    while (inside(p)) p += step;
+    width.sides[side] = p + cv::Point2d(box.tl());
+  }
+  return width;
+}
+
 }  // namespace gusset

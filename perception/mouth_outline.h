@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace gusset {
@@ -18,5 +20,17 @@ std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points);
 /// inside as any is, if the outline is narrower): CV_8UC1, 0 or 255, as large as `box`, which the
 /// outline's coordinates count in. Nothing if the outline has fewer than three points.
 cv::Mat RoomWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box, double radius_px);
+
+/// How wide a mouth is.
+struct MouthWidth {
+  double radius_px = 0;  ///< Of the largest disc inside the outline.
+  /// Where the outline is on either side of its middle, across its longer axis.
+  std::array<cv::Point2d, 2> sides;
+};
+
+/// @param box as in RoomWithin; what the outline holds beyond it does not count.
+/// @returns nothing if the outline has fewer than three points or holds no pixel.
+std::optional<MouthWidth> MeasureWidth(const std::vector<cv::Point2d>& outline,
+                                       const cv::Rect& box);
 
 }  // namespace gusset

@@ -33,6 +33,12 @@ struct Lips {
   PosePoint drawn;  ///< Middle of the labels farthest from it.
 };
 
+/// How wide the mouth is (MouthWidth).
+struct Width {
+  double radius_px = 0;            ///< Of the largest disc that finds room in it.
+  std::array<PosePoint, 2> sides;  ///< Its lips on either side of its middle, across its length.
+};
+
 /// The cube as seen.
 struct CubeSeen {
   cv::Point2d px;  ///< Centroid of its top face, or of all red pixels if there is no depth.
@@ -69,7 +75,8 @@ struct Observation {
   double opening_radius_px = 0;                ///< sqrt(A_o / pi).
   std::array<cv::Point2d, 4> opening_corners;  ///< Quadrilateral of the labels; only in s2.
 
-  std::optional<Lips> lips;  ///< Set where the rim and the mouth are seen.
+  std::optional<Lips> lips;    ///< Set where the rim and the mouth are seen.
+  std::optional<Width> width;  ///< Set in s2.
 
   std::optional<CubeSeen> cube;
 

@@ -180,8 +180,13 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       const Outline mouth = FitOutline(Hull(observation.labels));
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
-      SnapOnto(RoomWithin(MouthOutline(observation.labels), view.roi, config.place_inset_px),
-               view.roi.tl(), 0, place);
+      const std::vector<cv::Point2d> lips = MouthOutline(observation.labels);
+      SnapOnto(RoomWithin(lips, view.roi, config.place_inset_px), view.roi.tl(), 0, place);
+      if (const auto width = MeasureWidth(lips, view.roi)) {
+        observation.width = Width{
+            width->radius_px,
+            {Deproject(view, width->sides[0], config), Deproject(view, width->sides[1], config)}};
+      }
       break;
     }
     case State::kFilled:

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 
 namespace gusset {
 
@@ -10,7 +12,12 @@ struct Mouth {
   Eigen::Vector3d drawn_W;  ///< The lip drawn back onto the body.
   /// The way the rim looks, as a unit vector. Lips that lie nearly on each other do not tell.
   Eigen::Vector3d rim_outward_W = Eigen::Vector3d::Zero();
-  double area_m2 = 0;  ///< Of the opening between them, as Algorithm 7 sees it.
+  /// How wide it is.
+  struct Width {
+    double radius_m = 0;                     ///< Of the largest disc that finds room in it.
+    std::array<Eigen::Vector3d, 2> sides_W;  ///< Its lips on either side of its middle.
+  };
+  std::optional<Width> width = std::nullopt;
 
   /// From the drawn lip to the near one; horizontal.
   Eigen::Vector3d Apart_W() const {

@@ -1,27 +1,31 @@
 #include "agents/primitives/pick_place.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace gusset {
 namespace {
 
-// An opening too small for the cube: a slit between lips that lie nearly on each other, which one
-// of them drawn back widens, or a corner of the bag folded over, which is laid back.
-void Mend(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
-          const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  if (mouth.Apart_W().dot(mouth.rim_outward_W) < config.folded_m) {
-    tool.Note("slit widened instead");
-    const Eigen::Vector3d inward = -mouth.rim_outward_W;
-    const Eigen::Vector3d grasp = mouth.drawn_W + config.grasp_inset_m * inward;
-    DrawLayer(tool, grasp, config.widen_m * inward, LeftOf(inward), scratch, motion);
-  } else {
-    tool.Note("folded corner laid back instead");
-    ScratchDragConfig both = scratch;
-    both.asides = 0;  // it is the two layers that are to be grasped
-    const Eigen::Vector3d outward = mouth.Outward_W();
-    DrawLayer(tool, mouth.drawn_W + config.grasp_inset_m * outward,
-              mouth.Apart_W() + config.over_m * outward, LeftOf(outward), both, motion);
-  }
+// Draws one side of a mouth away from the other: the one that lies farther from the rim, for that
+// is the layer on top. Along the body it lies where it is drawn to; a lip that is drawn back from
+// the rim becomes a flap and springs back, unless it is drawn as far as an opening is
+// (ScratchDrag).
+void Widen(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
+           const ScratchDragConfig& scratch, const MotionConfig& motion) {
+  const auto& [a_W, b_W] = mouth.width->sides_W;
+  const Eigen::Vector3d apart = At(b_W - a_W, 0);
+  const bool b_is_inner = apart.dot(mouth.rim_outward_W) < 0;
+  const Eigen::Vector3d way = (b_is_inner ? 1 : -1) * apart.normalized();
+  const double back_rad = std::acos(std::clamp(-way.dot(mouth.rim_outward_W), -1.0, 1.0));
+  const double drawn_m = back_rad < config.back_deg * std::numbers::pi / 180
+                             ? std::max(config.widen_m, scratch.drag_least_m - apart.norm())
+                             : config.widen_m;
+  ScratchDragConfig low = scratch;
+  low.lift_m = config.widen_lift_m;
+  low.asides = 0;  // two layers at once widen it, too
+  DrawLayer(tool, (b_is_inner ? b_W : a_W) + config.grasp_inset_m * way, drawn_m * way, LeftOf(way),
+            low, motion);
 }
 
 }  // namespace
@@ -30,8 +34,9 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const ScratchDragConfig& scratch,
                const MotionConfig& motion) {
-  if (mouth && mouth->area_m2 < config.room_m2) {
-    return Mend(tool, *mouth, config, scratch, motion);
+  if (mouth && mouth->width && mouth->width->radius_m < config.room_m) {
+    tool.Note("mouth widened instead");
+    return Widen(tool, *mouth, config, scratch, motion);
   }
   // Never below 5 mm: the fingertips would press on the table.
   const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);

@@ -11,12 +11,12 @@ namespace gusset {
 /// tau_pick and mu_place, the pair of s2. Section [primitives.pick_place]. Heights are those of the
 /// fingertips; all tuned.
 struct PickPlaceConfig {
-  double room_m2 = 0.0045;        ///< A smaller opening has no room for the cube (1,500 px^2 of
-                                  ///< Bag 1 lost it every time): the mouth is mended instead.
-  double folded_m = 0.06;         ///< There, lips farther apart are a corner that is folded over.
-  double grasp_inset_m = 0.02;    ///< How far from its edge the drawn lip is grasped then.
-  double widen_m = 0.15;          ///< How far it is drawn back, or ...
-  double over_m = 0.01;           ///< ... beyond the near lip it is laid, if it was folded over.
+  double room_m = 0.031;          ///< A mouth without room for a disc of this radius loses half
+                                  ///< of the cubes put into it, so it is widened first:
+  double widen_m = 0.05;          ///< one side drawn so far from the other ...
+  double back_deg = 37;           ///< (as far as an opening, if within this of straight back) ...
+  double widen_lift_m = 0.03;     ///< ... so high above the table, ...
+  double grasp_inset_m = 0.008;   ///< ... grasped so far from its edge.
   double below_centre_m = 0.006;  ///< Fingertips this far below the cube's centre.
   double held_opening_m = 0.015;  ///< Fingers that close further than this hold nothing.
   double carry_height_m = 0.12;   ///< Over everything on the table.
@@ -29,11 +29,11 @@ struct PickPlaceConfig {
 
   template <class V>
   void Fields(V& v) {
-    v("room_m2", room_m2, Range{0, 0.1});
-    v("folded_m", folded_m, Range{0, 1});
-    v("grasp_inset_m", grasp_inset_m, Range{0, 0.05});
+    v("room_m", room_m, Range{0, 0.1});
     v("widen_m", widen_m, Range{0, 0.3});
-    v("over_m", over_m, Range{-0.05, 0.1});
+    v("back_deg", back_deg, Range{0, 90});
+    v("widen_lift_m", widen_lift_m, Range{0.01, 0.25});
+    v("grasp_inset_m", grasp_inset_m, Range{0, 0.05});
     v("below_centre_m", below_centre_m, Range{-0.02, 0.03});
     v("held_opening_m", held_opening_m, Range{0, 0.08});
     v("carry_height_m", carry_height_m, Range{0.05, 0.3});

@@ -377,36 +377,49 @@ TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
   }
 }
 
-TEST_F(BaggingEnvTest, PickPlaceWidensASlitAndLeavesTheCubeWhereItIs) {
-  config_.pick_place.room_m2 = 0.1;  // any opening is too small ...
-  config_.pick_place.folded_m = 1;   // ... and a slit
-  config_.scratch_drag.asides = 0;   // what the fingers close on in s2 is as thick as the cube
-  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
-  (void)env.Begin("2", 5);
-  EXPECT_EQ(env.Act(5).log["note"], "slit widened instead");
-  const Eigen::Vector2d drawn = env.before().lips->drawn.p_W.head<2>();
-  const Eigen::Vector2d outward = env.before().rim->outward_W.head<2>();
-  const std::vector<Eigen::Vector3d> path = HeldPath();
-  const double inset = config_.pick_place.grasp_inset_m, widen = config_.pick_place.widen_m;
-  EXPECT_NEAR((path.front().head<2>() - (drawn - inset * outward)).norm(), 0, 1e-9);
-  EXPECT_NEAR((path.back().head<2>() - (drawn - (inset + widen) * outward)).norm(), 0, 1e-9);
-  for (const Eigen::Vector3d& p : Path()) {
-    EXPECT_GT((p - env.before().cube->p_W).head<2>().norm(), 0.1);
+TEST_F(BaggingEnvTest, PickPlaceWidensANarrowMouthAndLeavesTheCubeWhereItIs) {
+  (void)env_.Begin("2", 5);
+  const CameraModel& camera = rig_.model();
+  const cv::Point2d px = env_.before().opening_centre.px;
+  const double m_per_px =
+      (camera.OntoPlane(px + cv::Point2d(1, 0), 0) - camera.OntoPlane(px, 0)).norm();
+  const double radius_m = env_.before().width->radius_px * m_per_px;
+  for (const double room : {0.99 * radius_m, 1.01 * radius_m}) {
+    config_.pick_place.room_m = room;
+    BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+    (void)env.Begin("2", 5);
+    const bool widened = env.Act(5).log["note"] == "mouth widened instead";
+    EXPECT_EQ(widened, room > radius_m);
+    double nearest = 1;
+    for (const Eigen::Vector3d& p : Path()) {
+      nearest = std::min(nearest, (p - env.before().cube->p_W).head<2>().norm());
+    }
+    EXPECT_EQ(nearest > 0.1, widened);
   }
 }
 
-TEST_F(BaggingEnvTest, PickPlaceLaysACornerBackThatIsFoldedOver) {
-  config_.pick_place.room_m2 = 0.1;
-  config_.pick_place.folded_m = 0;
-  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
-  (void)env.Begin("2", 5);
-  EXPECT_EQ(env.Act(5).log["note"], "folded corner laid back instead");
-  const Lips& lips = *env.before().lips;
-  const Eigen::Vector2d near = lips.near.p_W.head<2>();
-  const Eigen::Vector2d outward = (near - lips.drawn.p_W.head<2>()).normalized();
-  const Eigen::Vector2d laid = HeldPath().back().head<2>();
-  EXPECT_NEAR((laid - near).dot(outward),
-              config_.pick_place.grasp_inset_m + config_.pick_place.over_m, 1e-9);
+TEST_F(BaggingEnvTest, PickPlaceDrawsTheInnerSideOfANarrowMouthAwayFromTheOther) {
+  config_.pick_place.room_m = 0.1;
+  for (const double back_deg : {0.0, 90.0}) {
+    config_.pick_place.back_deg = back_deg;
+    BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+    (void)env.Begin("2", 5);
+    ASSERT_EQ(env.Act(5).log["note"], "mouth widened instead");
+    const Eigen::Vector2d outward = env.before().rim->outward_W.head<2>();
+    Eigen::Vector2d inner = env.before().width->sides[0].p_W.head<2>();
+    Eigen::Vector2d outer = env.before().width->sides[1].p_W.head<2>();
+    if (inner.dot(outward) > outer.dot(outward)) std::swap(inner, outer);
+    const Eigen::Vector2d way = (inner - outer).normalized();
+    const std::vector<Eigen::Vector3d> path = HeldPath();
+    const Eigen::Vector2d grasp = inner + config_.pick_place.grasp_inset_m * way;
+    EXPECT_NEAR((path.front().head<2>() - grasp).norm(), 0, 1e-9);
+    // As far as an opening if that is the way back from the rim, which within 90 degrees all is.
+    const double drawn = back_deg > 0 ? config_.scratch_drag.drag_least_m - (inner - outer).norm()
+                                      : config_.pick_place.widen_m;
+    ASSERT_GT(config_.scratch_drag.drag_least_m - (inner - outer).norm(),
+              config_.pick_place.widen_m);
+    EXPECT_NEAR((path.back().head<2>() - (grasp + drawn * way)).norm(), 0, 1e-9);
+  }
 }
 
 TEST_F(BaggingEnvTest, NothingBetweenTheFingersIsNotCarried) {

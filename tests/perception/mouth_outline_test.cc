@@ -135,5 +135,46 @@ TEST(RoomWithin, EndsAtTheImagesEdgeAndIsNothingForTwoPoints) {
   EXPECT_EQ(cv::countNonZero(RoomWithin({{10, 10}, {50, 50}}, box, 10)), 0);
 }
 
+TEST(MeasureWidth, OfASlitIsItsWidthAcrossHoweverItIsTurned) {
+  const cv::Rect box(20, 30, 300, 300);
+  const double long_px = 120, wide_px = 24;
+  for (int degree = 0; degree < 180; degree += 15) {
+    const double turn = degree * std::numbers::pi / 180;
+    const cv::Point2d centre(170, 180), along(std::cos(turn), std::sin(turn));
+    const cv::Point2d across(-along.y, along.x);
+    Points slit;
+    for (const auto& [a, b] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
+      slit.push_back(centre + a * long_px / 2 * along + b * wide_px / 2 * across);
+    }
+    const auto width = MeasureWidth(slit, box);
+    ASSERT_TRUE(width.has_value());
+    EXPECT_NEAR(width->radius_px, wide_px / 2, 1.5);
+    EXPECT_NEAR(cv::norm(0.5 * (width->sides[0] + width->sides[1]) - centre), 0, 1.5);
+    EXPECT_NEAR(std::abs((width->sides[0] - width->sides[1]).dot(across)), wide_px, 3);
+    EXPECT_NEAR((width->sides[0] - width->sides[1]).dot(along), 0, 2);
+  }
+}
+
+TEST(MeasureWidth, OfABentMouthIsMeasuredWhereThereIsMouth) {
+  const auto width = MeasureWidth(MouthOutline(BentMouth()), {0, 0, 300, 300});
+  ASSERT_TRUE(width.has_value());
+  // As wide as an arm, or wider in the bend, whose inner corner is cut: to the circle that touches
+  // the outer sides and the cut, (132, 116) to (164, 148), 45.3 px from the outer corner.
+  EXPECT_GE(width->radius_px, 7.5);
+  EXPECT_LE(width->radius_px, 45.3 / (1 + std::numbers::sqrt2) + 1);
+  const Points mouth = MouthOutline(BentMouth());
+  const std::vector<cv::Point2f> outline(mouth.begin(), mouth.end());
+  for (const cv::Point2d& side : width->sides) {
+    EXPECT_NEAR(cv::pointPolygonTest(outline, side, /*measureDist=*/true), 0, 2.5);
+  }
+}
+
+TEST(MeasureWidth, IsNoneWhereThereIsNoMouth) {
+  const cv::Rect box(0, 0, 100, 100);
+  EXPECT_FALSE(MeasureWidth({}, box));
+  EXPECT_FALSE(MeasureWidth({{10, 10}, {50, 50}}, box));
+  EXPECT_FALSE(MeasureWidth({{200, 200}, {300, 200}, {300, 300}}, box));
+}
+
 }  // namespace
 }  // namespace gusset

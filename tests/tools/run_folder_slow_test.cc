@@ -54,7 +54,7 @@ A_th = 18000
 A_oth = 200
 A_flat = 25000
 [primitives.pick_place]
-room_m2 = 0
+room_m = 0
 [primitives]
 settle_s = 0.5
 )";
