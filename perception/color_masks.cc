@@ -21,6 +21,10 @@ constexpr int kPixelsOfALabel = 50;
 /// The longer side of a label of 12 x 14 mm, with its soft edge.
 constexpr int kLabelLength_px = 10;
 
+/// B, G and R of cotton under the nominal light, as shares of the largest: Bag 1, three rendered
+/// frames, 2026-11.
+constexpr std::array<double, 3> kCotton = {0.94, 0.99, 1};
+
 /// An HSV range that may wrap through red. Sixteen pixels at a time: cv::inRange takes four times
 /// as long, and would run four times over the same pixels.
 class HsvRange {
@@ -107,6 +111,24 @@ bool IsBesideCloth(const cv::Mat& cloth, int x, int y) {
   return false;
 }
 
+/// Takes the light's and the cloth's tint off: a table for cv::LUT after which cloth has cotton's
+/// colour, no channel brighter than it was. The bag itself is the white card. A pixel that label
+/// and tinted cloth share is otherwise less saturated than its share of label (bluish cloth), or of
+/// another hue than either.
+cv::Mat BalanceTable(const std::array<Histogram, 3>& cloth) {
+  std::array<double, 3> gain;
+  for (std::size_t k = 0; k < 3; ++k) gain[k] = kCotton[k] / std::max(1, Quantile(cloth[k], 0.5));
+  const double largest = std::ranges::max(gain);
+  cv::Mat table(1, 256, CV_8UC3);
+  for (int value = 0; value < 256; ++value) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      table.at<cv::Vec3b>(0, value)[static_cast<int>(k)] =
+          cv::saturate_cast<uchar>(value * gain[k] / largest);
+    }
+  }
+  return table;
+}
+
 /// From saturation to cover, in place. @param label what is surely label. @param half_covered the
 /// saturation of a pixel that a label covers by half, for want of pixels to measure.
 void ToCover(const cv::Mat& label, const cv::Mat& cloth, int cloth_saturation, int half_covered,
@@ -161,7 +183,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
 
   ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1),
                    cv::Mat(color.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1)};
-  Histogram cloth_saturation{};
+  std::array<Histogram, 3> cloth_bgr{};
   cv::Mat hsv;
   for (int top = 0; top < color.rows; top += kStrip) {
     const cv::Rect strip(0, top, color.cols, std::min(kStrip, color.rows - top));
@@ -170,13 +192,31 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
       const int in_roi = top + y - view.roi.y;
       MarkRow(hsv.ptr(y), color.cols, {{&cube, masks.cube.ptr(top + y)}});
       if (in_roi < 0 || in_roi >= view.roi.height) continue;
-      const uchar* row = hsv.ptr(y) + 3 * view.roi.x;
-      MarkRow(row, view.roi.width,
-              {{&cloth, masks.cloth.ptr(in_roi)},
-               {&label, masks.label.ptr(in_roi)},
-               {&label_hue, masks.label_cover.ptr(in_roi), /*saturation=*/true}});
+      MarkRow(hsv.ptr(y) + 3 * view.roi.x, view.roi.width, {{&cloth, masks.cloth.ptr(in_roi)}});
       if (in_roi % kSampled != 0) continue;
       const uchar* is_cloth = masks.cloth.ptr(in_roi);
+      const auto* bgr = color.ptr<cv::Vec3b>(top + y) + view.roi.x;
+      for (int x = 0; x < view.roi.width; x += kSampled) {
+        if (is_cloth[x] == 0) continue;
+        for (int k = 0; k < 3; ++k) ++cloth_bgr[static_cast<std::size_t>(k)][bgr[x][k]];
+      }
+    }
+  }
+
+  const cv::Mat balance = BalanceTable(cloth_bgr);
+  Histogram cloth_saturation{};
+  cv::Mat balanced;
+  for (int top = 0; top < view.roi.height; top += kStrip) {
+    const int rows = std::min(kStrip, view.roi.height - top);
+    cv::LUT(color(cv::Rect(view.roi.x, view.roi.y + top, view.roi.width, rows)), balance, balanced);
+    cv::cvtColor(balanced, hsv, cv::COLOR_BGR2HSV);
+    for (int y = 0; y < rows; ++y) {
+      const uchar* row = hsv.ptr(y);
+      MarkRow(row, view.roi.width,
+              {{&label, masks.label.ptr(top + y)},
+               {&label_hue, masks.label_cover.ptr(top + y), /*saturation=*/true}});
+      if ((top + y) % kSampled != 0) continue;
+      const uchar* is_cloth = masks.cloth.ptr(top + y);
       for (int x = 0; x < view.roi.width; x += kSampled) {
         if (is_cloth[x] != 0) ++cloth_saturation[row[3 * x + 1]];
       }

@@ -41,6 +41,22 @@ TEST(ColorMasks, CoverIsTheShareOfALabelInAPixelWhateverTheLight) {
   }
 }
 
+// Blue light on cream cloth made the cloth as saturated as a pixel that is a third label, and of
+// another hue: labels lost their edges (a quarter of their area in rendered frames). What tint of
+// light leaves is that mixing is linear and a tint is not quite taken off in eight bits.
+TEST(ColorMasks, CoverIsTheShareOfALabelInAPixelWhateverTheTint) {
+  for (const cv::Scalar& tint : {cv::Scalar(1.0, 0.8, 0.75), cv::Scalar(0.9, 0.8, 0.9),
+                                 cv::Scalar(0.75, 0.85, 1.0), cv::Scalar(0.85, 1.0, 0.85)}) {
+    RgbdFrame frame = MixedFrame(1);
+    cv::multiply(frame.color, tint, frame.color);
+    const ColorMasks masks = MasksOf(frame);
+    for (int tenth = 0; tenth <= 10; ++tenth) {
+      EXPECT_NEAR(masks.label_cover.at<uchar>(kMixedRow, 140 + 5 * tenth) / 255., 0.1 * tenth, 0.08)
+          << tint;
+    }
+  }
+}
+
 // A toy, a cable: twice as saturated as labels, and larger than all of them.
 TEST(ColorMasks, GreenThingsOnTheCanvasDoNotChangeWhatALabelCovers) {
   RgbdFrame frame = MixedFrame(1);
