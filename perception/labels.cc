@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <ranges>
 #include <tuple>
 
 #include "perception/require.h"
@@ -22,11 +23,20 @@ constexpr int kLeastCover = 85;
 /// rendered frames); a label of 9x8 pixels with two columns missing fills 0.78.
 constexpr double kLeastFill = 0.76;
 constexpr double kSoftEdge_px = 2;
-/// A label covers 56 px^2: 60 at most of 360 single ones, from 65 where two touch (the same
-/// frames).
-constexpr double kLabelArea_px2 = 64;
-/// A blurred image makes labels longer by less than this, and no larger.
-constexpr double kBlur_px = 1;
+/// A label of 12 x 14 mm at 577 px per metre.
+constexpr double kLabelArea_px2 = 56;
+/// Longer than a label and larger than this, or longer by so much (a blurred image makes labels
+/// longer, and no larger), a spot is several. Tuned 2026-11 on the bags of odd number of a corpus
+/// with varied light, pose and colours (1,708 frames of s1 and s2; docs/perception.md).
+constexpr double kSeveralArea_px2 = 57;
+constexpr double kBlur_px = 0.8;
+/// How far beyond a spot's end the canvas is looked for, and how far to either side.
+constexpr int kBeyond_px = 4;
+constexpr int kAside_px = 3;
+/// How much narrower a cut must be per pixel that it is off: off where a whole label ends (tuned
+/// likewise), or off the middle, which says little.
+constexpr double kOffLabel = 2;
+constexpr double kOffMiddle = 0.5;
 
 using Contour = std::vector<cv::Point>;
 
@@ -68,63 +78,142 @@ Moments MomentsOf(const std::vector<Pixel>& spot) {
   return m;
 }
 
-/// Where a spot of several labels is cut: across its longer axis at its waist, the place in its
-/// middle half that is narrowest.
-std::array<std::vector<Pixel>, 2> CutAtWaist(const std::vector<Pixel>& spot, cv::Point2d axis) {
+/// How a spot's cover is spread along its longer axis, in bins of a pixel.
+struct Profile {
+  double from;  ///< The first bin's beginning, along the axis.
+  std::vector<double> width;
+};
+
+Profile ProfileOf(const std::vector<Pixel>& spot, cv::Point2d axis) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Pixel& pixel : spot) {
     if (pixel.cover < kLeastCover / 255.) continue;
     least = std::min(least, axis.dot(pixel.at));
     most = std::max(most, axis.dot(pixel.at));
   }
-  std::vector<double> width(static_cast<std::size_t>(most - least) + 1, 0);
+  Profile profile{least, std::vector<double>(static_cast<std::size_t>(most - least) + 1, 0)};
   for (const Pixel& pixel : spot) {
     const double t = axis.dot(pixel.at) - least;
-    if (t >= 0 && t < static_cast<double>(width.size())) {
-      width[static_cast<std::size_t>(t)] += pixel.cover;
+    if (t >= 0 && t < static_cast<double>(profile.width.size())) {
+      profile.width[static_cast<std::size_t>(t)] += pixel.cover;
     }
   }
+  return profile;
+}
+
+/// How many of the bins, in their order, hold so much.
+double Reach(const auto& bins, double area) {
+  double reach = 0;
+  for (const double width : bins) {
+    if (width >= area) return reach + (area > 0 ? area / width : 0);
+    area -= width;
+    ++reach;
+  }
+  return reach;
+}
+
+/// Where a spot may be cut, in bins of its profile, and where it probably should be.
+struct CutRange {
+  double from, to;
+  std::array<double, 2> best;
+  double off_weight;
+};
+
+/// At the place between `from` and `to` that is narrowest.
+std::array<std::vector<Pixel>, 2> CutAtWaist(const std::vector<Pixel>& spot, cv::Point2d axis,
+                                             const Profile& profile, const CutRange& range) {
   // Bins of a turned raster alias, so three are weighed together; and what is hardly narrower
-  // counts less than being nearer the middle.
+  // counts less than being where a cut is probable.
+  const std::vector<double>& width = profile.width;
   const auto bin = [&](std::size_t k) { return k < width.size() ? width[k] : 0; };
-  const double middle = 0.5 * static_cast<double>(width.size() - 1);
   double least_score = std::numeric_limits<double>::infinity();
-  std::size_t waist = 0;
+  double waist = 0.5 * (range.from + range.to);
   for (std::size_t k = 0; k < width.size(); ++k) {
-    const double off = std::abs(static_cast<double>(k) - middle);
-    if (off > 0.5 * middle) continue;
-    const double score = 0.25 * (bin(k - 1) + 2 * bin(k) + bin(k + 1)) + 0.5 * off;
+    const double t = static_cast<double>(k) + 0.5;
+    if (t < range.from || t > range.to) continue;
+    const double off = std::min(std::abs(t - range.best[0]), std::abs(t - range.best[1]));
+    const double score = 0.25 * (bin(k - 1) + 2 * bin(k) + bin(k + 1)) + range.off_weight * off;
     if (score >= least_score) continue;
     least_score = score;
-    waist = k;
+    waist = t;
   }
-  const double cut = least + static_cast<double>(waist) + 0.5;
   std::array<std::vector<Pixel>, 2> parts;
-  for (const Pixel& pixel : spot) parts[axis.dot(pixel.at) < cut ? 0 : 1].push_back(pixel);
+  for (const Pixel& pixel : spot) {
+    parts[axis.dot(pixel.at) < profile.from + waist ? 0 : 1].push_back(pixel);
+  }
   return parts;
 }
 
-void AddLabels(const std::vector<Pixel>& spot, const PerceptionConfig& config,
-               std::vector<Label>& labels) {
-  const Moments moments = MomentsOf(spot);
-  if (moments.area < config.label_min_px2) return;
-  const bool longer = moments.length > config.label_length_px;
-  if ((longer && moments.area > kLabelArea_px2) ||
-      moments.length > config.label_length_px + kBlur_px) {
-    const auto parts = CutAtWaist(spot, moments.axis);
-    if (!parts[0].empty() && !parts[1].empty()) {
-      // What is too small to be a label is not part of the other one, either.
-      for (const std::vector<Pixel>& part : parts) AddLabels(part, config, labels);
-      return;
+/// How many pixels just beyond a spot's end are not of the bag.
+int CanvasBeyond(cv::Point2d end, cv::Point2d outward, const cv::Mat& bag) {
+  int count = 0;
+  for (int k = 0; k <= kBeyond_px; ++k) {
+    for (int side = -kAside_px; side <= kAside_px; ++side) {
+      const cv::Point2d at = end + k * outward + side * cv::Point2d(-outward.y, outward.x);
+      const cv::Point pixel(cvRound(at.x), cvRound(at.y));
+      if (!cv::Rect({0, 0}, bag.size()).contains(pixel) || bag.at<uchar>(pixel) == 0) ++count;
     }
   }
-  labels.push_back({moments.centroid, moments.area});
+  return count;
+}
+
+/// A spot of a label and less than half of another: that one is a sliver of the layer behind,
+/// beyond the lip of the layer in front, whose label shows whole. So the cut is probably where that
+/// one ends, the sliver on the side where the bag ends sooner.
+std::array<std::vector<Pixel>, 2> CutOffSliver(const std::vector<Pixel>& spot,
+                                               const Moments& moments, const cv::Mat& bag,
+                                               double least_area) {
+  const Profile profile = ProfileOf(spot, moments.axis);
+  const auto backwards = std::views::reverse(profile.width);
+  const auto bins = static_cast<double>(profile.width.size());
+  const double sliver = std::max(least_area, moments.area - kLabelArea_px2);
+  CutRange range{Reach(profile.width, least_area),
+                 bins - Reach(backwards, least_area),
+                 {Reach(profile.width, sliver), bins - Reach(backwards, sliver)},
+                 kOffLabel};
+  const auto at = [&](double t) {
+    return moments.centroid +
+           (profile.from + t - moments.axis.dot(moments.centroid)) * moments.axis;
+  };
+  const int before = CanvasBeyond(at(0), -moments.axis, bag);
+  const int after = CanvasBeyond(at(bins - 1), moments.axis, bag);
+  if (before > after) range.best[1] = range.best[0];
+  if (before < after) range.best[0] = range.best[1];
+  return CutAtWaist(spot, moments.axis, profile, range);
+}
+
+/// Across the longer axis, in the spot's middle half.
+std::array<std::vector<Pixel>, 2> CutInTheMiddle(const std::vector<Pixel>& spot, cv::Point2d axis) {
+  const Profile profile = ProfileOf(spot, axis);
+  const double middle = 0.5 * static_cast<double>(profile.width.size());
+  return CutAtWaist(spot, axis, profile,
+                    {0.5 * middle, 1.5 * middle, {middle, middle}, kOffMiddle});
+}
+
+void AddLabels(const std::vector<Pixel>& spot, const cv::Mat& bag, const PerceptionConfig& config,
+               std::vector<Label>& labels) {
+  const auto add = [&](const Moments& m) { labels.push_back({m.centroid, m.area}); };
+  const Moments moments = MomentsOf(spot);
+  if (moments.area < config.label_min_px2) return;
+  const bool several = moments.length > config.label_length_px + kBlur_px ||
+                       (moments.length > config.label_length_px && moments.area > kSeveralArea_px2);
+  if (!several) return add(moments);
+  if (moments.area > kLabelArea_px2 && moments.area < 1.5 * kLabelArea_px2) {
+    for (const auto& part : CutOffSliver(spot, moments, bag, config.label_min_px2)) {
+      add(MomentsOf(part));
+    }
+    return;
+  }
+  const auto parts = CutInTheMiddle(spot, moments.axis);
+  if (parts[0].empty() || parts[1].empty()) return add(moments);
+  // What is too small to be a label is not part of the other one, either.
+  for (const std::vector<Pixel>& part : parts) AddLabels(part, bag, config, labels);
 }
 
 /// What lies together.
 struct Spot {
   Contour contour;
-  cv::Rect box;    ///< With a margin of one pixel, the soft edge.
+  cv::Rect box;    ///< With a margin of three pixels: the soft edge, and what is beside it.
   cv::Mat filled;  ///< Mask of the box.
   int pixels = 0;
 };
@@ -132,8 +221,8 @@ struct Spot {
 Spot MakeSpot(Contour contour) {
   Spot spot;
   spot.box = cv::boundingRect(contour);
-  spot.box -= cv::Point(1, 1);
-  spot.box += cv::Size(2, 2);
+  spot.box -= cv::Point(3, 3);
+  spot.box += cv::Size(6, 6);
   spot.filled = FilledContour(contour, spot.box);
   spot.pixels = cv::countNonZero(spot.filled);
   spot.contour = std::move(contour);
@@ -142,8 +231,8 @@ Spot MakeSpot(Contour contour) {
 
 /// Whether two spots are what a glint or a crease left of one label.
 bool AreOne(const Spot& a, const Spot& b, const PerceptionConfig& config) {
-  // With a margin of one pixel each, boxes two pixels apart touch.
-  if (((a.box + cv::Size(1, 1)) & (b.box + cv::Size(1, 1))).empty()) return false;
+  // No more than two pixels apart: boxes have a margin of three each.
+  if (((a.box - cv::Size(3, 3)) & (b.box - cv::Size(3, 3))).empty()) return false;
   Contour both = a.contour, hull;
   both.insert(both.end(), b.contour.begin(), b.contour.end());
   // Rectangle and hull join pixel centres; half a pixel more all around covers the pixels.
@@ -154,18 +243,23 @@ bool AreOne(const Spot& a, const Spot& b, const PerceptionConfig& config) {
   return a.pixels + b.pixels > kLeastFill * area;
 }
 
-/// The spot's pixels and those of its soft edge. @param spots all of them.
+/// The spot's pixels and those of its soft edge, two pixels wide, or one where another spot is
+/// nearer. @param spots all of them.
 void AppendPixels(const Spot& spot, const cv::Mat& cover, const cv::Mat& spots,
                   std::vector<Pixel>& pixels) {
-  static const cv::Mat kEdge = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
-  cv::Mat reach;
-  cv::dilate(spot.filled, reach, kEdge);
+  static const cv::Mat kPixel = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
   const cv::Rect seen = spot.box & cv::Rect({0, 0}, cover.size());
-  for (int y = seen.y; y < seen.br().y; ++y) {
-    for (int x = seen.x; x < seen.br().x; ++x) {
-      const cv::Point at(x, y), in_box = at - spot.box.tl();
-      const bool of_another = spots.at<uchar>(at) != 0 && spot.filled.at<uchar>(in_box) == 0;
-      if (reach.at<uchar>(in_box) == 0 || of_another || cover.at<uchar>(at) == 0) continue;
+  const cv::Mat filled = spot.filled(seen - spot.box.tl());
+  const cv::Mat others = spots(seen) & ~filled;
+  cv::Mat beside, near, far;
+  cv::dilate(others, beside, kPixel);
+  cv::dilate(filled, near, kPixel);
+  cv::dilate(near, far, kPixel);
+  const cv::Mat mine = (near & ~others) | (far & ~beside);
+  for (int y = 0; y < seen.height; ++y) {
+    for (int x = 0; x < seen.width; ++x) {
+      const cv::Point at = seen.tl() + cv::Point(x, y);
+      if (mine.at<uchar>(y, x) == 0 || cover.at<uchar>(at) == 0) continue;
       pixels.push_back({at, cover.at<uchar>(at) / 255.});
     }
   }
@@ -204,7 +298,7 @@ std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most
       const Moments whole = MomentsOf(pixels);
       if (whole.area >= config.label_min_px2) labels.push_back({whole.centroid, whole.area});
     } else {
-      AddLabels(pixels, config, labels);
+      AddLabels(pixels, bag, config, labels);
     }
   }
   std::sort(labels.begin(), labels.end(), [](const Label& a, const Label& b) {

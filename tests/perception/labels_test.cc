@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <utility>
 
 namespace gusset {
@@ -122,6 +123,52 @@ TEST(FindLabels, TwoThatTouchAreTwo) {
       EXPECT_LT(cv::norm(labels[1].centroid - second), 1.6) << turn_deg << " " << aside;
     }
   }
+}
+
+// The mouth all but shut: beyond the lip of the upper layer, whose label of 7 x 8 px shows whole,
+// the lower layer's shows as a sliver as wide as `sliver`, shifted along the lip. Both are found
+// where they are: the sliver is not given half of the whole label. 0.9 px: pixels are whole here,
+// and the cut goes across the spot, not along the lip.
+TEST(FindLabels, ASliverBeyondAWholeLabelIsOneOfItsOwn) {
+  for (const int sliver : {2, 3}) {
+    for (const int aside : {0, 2}) {
+      for (const bool turned : {false, true}) {
+        Masks masks;
+        const int lip = 250 - sliver;  // The bag of Masks ends at 250.
+        masks.label(cv::Rect(100, lip - 8, 7, 8)) = 255;
+        masks.label(cv::Rect(100 + aside, lip, 7, sliver)) = 255;
+        cv::Point2d whole(103, lip - 4.5), rest(103 + aside, lip + 0.5 * (sliver - 1));
+        if (turned) {
+          cv::flip(masks.label, masks.label, 0);
+          cv::flip(masks.bag, masks.bag, 0);
+          whole.y = 339 - whole.y;
+          rest.y = 339 - rest.y;
+        }
+        const std::vector<Label> labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+        ASSERT_EQ(labels.size(), 2u) << sliver << " " << aside;
+        EXPECT_LT(cv::norm(labels[0].centroid - whole), 0.9) << sliver << " " << aside;
+        EXPECT_LT(cv::norm(labels[1].centroid - rest), 0.9) << sliver << " " << aside;
+        EXPECT_NEAR(labels[1].area_px2, 7 * sliver, 7) << "by a row at most";
+      }
+    }
+  }
+}
+
+// The lens spreads the edge of a sliver over two pixels on either side. What lies nearer to another
+// spot belongs to that one.
+TEST(FindLabels, TheSoftEdgeIsTwoPixelsWide) {
+  Masks masks;
+  masks.label(cv::Rect(58, 60, 1, 10)) = 26;
+  masks.label(cv::Rect(59, 60, 1, 10)) = 77;
+  masks.label(cv::Rect(60, 60, 1, 10)) = 128;
+  masks.label(cv::Rect(61, 60, 1, 10)) = 51;
+  std::vector<Label> labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_NEAR(labels[0].area_px2, 10 * (0.1 + 0.3 + 0.5 + 0.2), 0.1);
+  masks.label(cv::Rect(52, 61, 6, 8)) = 255;  // Its own edge is column 58.
+  labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+  ASSERT_EQ(labels.size(), 2u);
+  EXPECT_NEAR(labels[1].area_px2, 10 * (0.3 + 0.5 + 0.2), 0.1);
 }
 
 TEST(FindLabels, ARowOfThreeThatTouchIsThree) {
