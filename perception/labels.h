@@ -14,9 +14,10 @@ struct Label {
 };
 
 /// Finds the labels: spots of label colour on the bag, no smaller than the noise floor. A spot
-/// longer than a label is several that touch, as where one layer's label lies beside the other's;
-/// it is cut at its waist. How long it is follows from its second moment along its longer axis: for
-/// a rectangle of length L, L^2/12, and the lens adds little.
+/// longer than a label is several that touch, as where one layer's label lies beside the other's. A
+/// sliver beside a whole label is cut off where that label ends, two larger parts at their waist.
+/// How long a spot is follows from its second moment along its longer axis: for a rectangle of
+/// length L, L^2/12, and the lens adds little.
 /// @param cover ColorMasks::label_cover. @param bag CV_8UC1 mask of the same size.
 /// @returns from the largest to the smallest (ties: top to bottom, left to right), at most `most`.
 std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most,
