@@ -68,10 +68,15 @@ bool Uncross(std::vector<cv::Point2d>& way) {
 cv::Mat DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box) {
   std::vector<cv::Point> corners;
   for (const cv::Point2d& p : outline) corners.emplace_back(cvRound(p.x), cvRound(p.y));
-  cv::Mat framed, depth;
-  cv::copyMakeBorder(FilledContour(corners, box), framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-  cv::distanceTransform(framed, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  return depth(cv::Rect({1, 1}, box.size()));
+  // The outline's own box is enough: what surrounds it is nearest to what is inside.
+  cv::Mat depth = cv::Mat::zeros(box.size(), CV_32FC1);
+  const cv::Rect part = cv::boundingRect(corners) & box;
+  if (part.empty()) return depth;
+  cv::Mat framed, of_part;
+  cv::copyMakeBorder(FilledContour(corners, part), framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+  cv::distanceTransform(framed, of_part, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  of_part(cv::Rect({1, 1}, part.size())).copyTo(depth(part - box.tl()));
+  return depth;
 }
 
 }  // namespace
