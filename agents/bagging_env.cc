@@ -58,7 +58,9 @@ std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
     const auto at = [&](double x) {
       return camera.OntoPlane(seen.opening_centre.px + cv::Point2d(x, 0), table_height_m);
     };
-    mouth.width = {seen.width->radius_px * (at(1) - at(0)).norm(),
+    const double m_per_px = (at(1) - at(0)).norm();
+    mouth.width = {seen.width->radius_px * m_per_px,
+                   seen.width->length_px * m_per_px,
                    {seen.width->sides[0].p_W, seen.width->sides[1].p_W}};
   }
   return mouth;
@@ -171,7 +173,7 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
       case State::kOpen:
         if (!before_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
         return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, mouth,
-                         config_.pick_place, config_.scratch_drag, motion);
+                         config_.pick_place, config_.grasp_lift, config_.scratch_drag, motion);
       case State::kFilled:
         return CloseCarry(tool, p_W, along_W, mouth,
                           before_.cube ? before_.cube->p_W

@@ -116,6 +116,8 @@ std::optional<MouthWidth> MeasureWidth(const std::vector<cv::Point2d>& outline,
 
   const cv::Moments m = cv::moments(depth > 0, /*binaryImage=*/true);
   const cv::Point2d along = LongerAxis(m.mu20, m.mu11, m.mu02);
+  const auto [first, last] = std::ranges::minmax(outline, {}, [&](auto p) { return along.dot(p); });
+  width.length_px = along.dot(last - first);
   cv::Point2d middle(m.m10 / m.m00, m.m01 / m.m00);
   if (!inside(middle)) middle = deepest;  // of a mouth that is bent
   for (const int side : {0, 1}) {

@@ -21,9 +21,10 @@ std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points);
 /// outline's coordinates count in. Nothing if the outline has fewer than three points.
 cv::Mat RoomWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box, double radius_px);
 
-/// How wide a mouth is.
+/// How wide a mouth is, and how long.
 struct MouthWidth {
   double radius_px = 0;  ///< Of the largest disc inside the outline.
+  double length_px = 0;  ///< Of the outline, along its longer axis.
   /// Where the outline is on either side of its middle, across its longer axis.
   std::array<cv::Point2d, 2> sides;
 };

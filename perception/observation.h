@@ -36,6 +36,7 @@ struct Lips {
 /// How wide the mouth is (MouthWidth).
 struct Width {
   double radius_px = 0;            ///< Of the largest disc that finds room in it.
+  double length_px = 0;            ///< From end to end.
   std::array<PosePoint, 2> sides;  ///< Its lips on either side of its middle, across its length.
 };
 

@@ -185,6 +185,7 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       if (const auto width = MeasureWidth(lips, view.roi)) {
         observation.width = Width{
             width->radius_px,
+            width->length_px,
             {Deproject(view, width->sides[0], config), Deproject(view, width->sides[1], config)}};
       }
       break;

@@ -15,6 +15,7 @@ struct Mouth {
   /// How wide it is.
   struct Width {
     double radius_m = 0;                     ///< Of the largest disc that finds room in it.
+    double length_m = 0;                     ///< From end to end.
     std::array<Eigen::Vector3d, 2> sides_W;  ///< Its lips on either side of its middle.
   };
   std::optional<Width> width = std::nullopt;

@@ -28,13 +28,25 @@ void Widen(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
             low, motion);
 }
 
+// Lays the bag flat by its near lip, from which it hangs as it is sewn. Which parameter hardly
+// matters there: the middle one.
+void LayFlat(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
+             const GraspLiftConfig& lift, const MotionConfig& motion) {
+  GraspLift(tool, mouth.near_W - config.grasp_inset_m * mouth.Outward_W(), mouth.drawn_W, 4, lift,
+            motion);
+}
+
 }  // namespace
 
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const ScratchDragConfig& scratch,
-               const MotionConfig& motion) {
+               const PickPlaceConfig& config, const GraspLiftConfig& lift,
+               const ScratchDragConfig& scratch, const MotionConfig& motion) {
   if (mouth && mouth->width && mouth->width->radius_m < config.room_m) {
+    if (mouth->width->length_m < config.slit_m) {
+      tool.Note("bag laid flat instead");
+      return LayFlat(tool, *mouth, config, lift, motion);
+    }
     tool.Note("mouth widened instead");
     return Widen(tool, *mouth, config, scratch, motion);
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "agents/primitives/grasp_lift.h"
 #include "agents/primitives/mouth.h"
 #include "agents/primitives/scratch_drag.h"
 #include "agents/primitives/tool_motion.h"
@@ -13,10 +14,12 @@ namespace gusset {
 struct PickPlaceConfig {
   double room_m = 0.031;          ///< A mouth without room for a disc of this radius loses half
                                   ///< of the cubes put into it, so it is widened first:
-  double widen_m = 0.05;          ///< one side drawn so far from the other ...
+  double slit_m = 0.2;            ///< one that is at least so long, two thirds of the rim, by ...
+  double widen_m = 0.05;          ///< ... drawing one side so far from the other ...
   double back_deg = 37;           ///< (as far as an opening, if within this of straight back) ...
   double widen_lift_m = 0.03;     ///< ... so high above the table, ...
-  double grasp_inset_m = 0.008;   ///< ... grasped so far from its edge.
+  double grasp_inset_m = 0.008;   ///< ... grasped so far from its edge. Of a shorter one the rim is
+                                  ///< folded: the bag is laid flat, to be opened anew.
   double below_centre_m = 0.006;  ///< Fingertips this far below the cube's centre.
   double held_opening_m = 0.015;  ///< Fingers that close further than this hold nothing.
   double carry_height_m = 0.12;   ///< Over everything on the table.
@@ -30,6 +33,7 @@ struct PickPlaceConfig {
   template <class V>
   void Fields(V& v) {
     v("room_m", room_m, Range{0, 0.1});
+    v("slit_m", slit_m, Range{0, 1});
     v("widen_m", widen_m, Range{0, 0.3});
     v("back_deg", back_deg, Range{0, 90});
     v("widen_lift_m", widen_lift_m, Range{0.01, 0.25});
@@ -52,7 +56,7 @@ struct PickPlaceConfig {
 /// @param mouth  none if its lips are not seen apart: then the cube comes down at place_W.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const ScratchDragConfig& scratch,
-               const MotionConfig& motion);
+               const PickPlaceConfig& config, const GraspLiftConfig& lift,
+               const ScratchDragConfig& scratch, const MotionConfig& motion);
 
 }  // namespace gusset

@@ -19,7 +19,8 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
   tool.Approach(At(p_W, motion.approach_m), AngleOf(along_W));
   tool.Go(At(p_W, p_W.z() + 0.02), motion.descend_speed_m_s);
   // Thick cloth between the pads is mostly both layers: let go of it and try beside it, where the
-  // cloth is not rucked up yet.
+  // cloth is not rucked up yet. Where they closed on nothing, cloth is too taut to be gathered; the
+  // same grasp would fail again and again.
   const Eigen::Vector3d aside =
       (along_W.dot(drag_W) < 0 ? -config.aside_m : config.aside_m) * along_W;
   Eigen::Vector3d grasp_W = p_W;
@@ -27,7 +28,8 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
     const double touched = tool.Seize(At(grasp_W, -0.005), config.opening_m,
                                       {config.touch_force_N, config.retries, config.press_factor})
                                .z();
-    if (tool.opening_m() <= config.stack_m || moved == config.asides) return At(grasp_W, touched);
+    const bool one_layer = tool.Holds() && tool.opening_m() <= config.stack_m;
+    if (one_layer || moved == config.asides) return At(grasp_W, touched);
     tool.Fingers(config.opening_m);
     tool.Go(At(grasp_W, touched + 0.02), motion.descend_speed_m_s);
     grasp_W += aside;

@@ -13,8 +13,8 @@ struct ScratchDragConfig {
   double touch_force_N = 0.5;  ///< Felt when the fingertips rest on the cloth.
   int retries = 3;             ///< If nothing is between the pads then, so often again,
   double press_factor = 1.2;   ///< pressing so many times as hard.
-  double stack_m = 0.0105;     ///< More than this between the closed pads is taken for both layers:
-  int asides = 2;              ///< so often the fingers let go and try again ...
+  double stack_m = 0.0105;     ///< More than this between the closed pads is taken for both layers.
+  int asides = 2;              ///< Then, or still without any, the fingers try again so often ...
   double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes.
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
   double drag_least_m = 0.19;  ///< ... and dragged towards the target, at least so far, for a flap

@@ -92,7 +92,12 @@ Eigen::Vector3d ToolMotion::Seize(const Eigen::Vector3d& lowest_W, double openin
   }
 }
 
-bool ToolMotion::Close() { return Fingers(0) > kEmpty_m; }
+bool ToolMotion::Close() {
+  Fingers(0);
+  return Holds();
+}
+
+bool ToolMotion::Holds() const { return opening_m_ > kEmpty_m; }
 
 double ToolMotion::Fingers(double opening_m) {
   opening_m_ = robot_.MoveGripper(opening_m, config_.finger_speed_m_s, config_.grip_force_N);

@@ -94,6 +94,8 @@ class ToolMotion {
   Eigen::Vector3d Seize(const Eigen::Vector3d& lowest_W, double opening_m, const Press& press);
   /// Closes the fingers. @returns whether something is between them.
   bool Close();
+  /// Whether something was between the fingers when they last moved.
+  bool Holds() const;
   /// Fingers to opening_m (0: closed). @returns the opening reached.
   double Fingers(double opening_m);
   /// The opening that the fingers last reached.

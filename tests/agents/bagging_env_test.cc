@@ -314,20 +314,23 @@ TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointTowardsTheTarget) {
 }
 
 // Where the fingers closed, and the way that they then went, for so much cloth between them.
-TEST_F(BaggingEnvTest, ScratchMovesAsideAlongTheRimFromMoreClothThanOneLayers) {
+TEST_F(BaggingEnvTest, ScratchMovesAsideAlongTheRimFromMoreClothThanOneLayersAndFromNone) {
   const ScratchDragConfig& config = config_.scratch_drag;
   for (const int action : {2 * 9 + 7, 6 * 9 + 6}) {
     std::vector<Eigen::Vector2d> drags;
-    for (const double cloth_m : {config.stack_m - 1e-6, config.stack_m + 1e-6}) {
+    for (const double cloth_m : {config.stack_m - 1e-6, config.stack_m + 1e-6, 0.0}) {
       rig_.cloth_between_fingers_m = cloth_m;
       (void)Act(1, action, 2);
       std::vector<Eigen::Vector2d> closed;
+      const int tries = cloth_m == 0 ? 1 + config.retries : 1;  // at one place
+      int closings = 0;
       for (const Move& move : rig_.moves) {
-        if (move.kind == Move::kFingers && move.value == 0) {
-          closed.push_back(move.X_WT.translation().head<2>());
-        }
+        if (move.kind != Move::kFingers || move.value != 0) continue;
+        if (closings++ % tries == 0) closed.push_back(move.X_WT.translation().head<2>());
       }
-      const auto moved = static_cast<std::size_t>(cloth_m > config.stack_m ? config.asides : 0);
+      const bool one_layer = cloth_m > 0 && cloth_m <= config.stack_m;
+      const auto moved = static_cast<std::size_t>(one_layer ? 0 : config.asides);
+      ASSERT_EQ(closings, tries * static_cast<int>(1 + moved));
       ASSERT_EQ(closed.size(), 1 + moved);
       EXPECT_NEAR((closed[0] - env_.before().grasp_points[action / 9].p_W.head<2>()).norm(), 0,
                   1e-12);
@@ -340,7 +343,9 @@ TEST_F(BaggingEnvTest, ScratchMovesAsideAlongTheRimFromMoreClothThanOneLayers) {
         EXPECT_GE(step.dot(drags[0]), 0) << "the way that the drag goes";
       }
     }
-    EXPECT_NEAR((drags[0] - drags[1]).norm(), 0, 1e-12) << "dragged as far and in that direction";
+    for (const Eigen::Vector2d& drag : drags) {
+      EXPECT_NEAR((drags[0] - drag).norm(), 0, 1e-12) << "dragged as far and in that direction";
+    }
   }
 }
 
@@ -384,6 +389,7 @@ TEST_F(BaggingEnvTest, PickPlaceWidensANarrowMouthAndLeavesTheCubeWhereItIs) {
   const double m_per_px =
       (camera.OntoPlane(px + cv::Point2d(1, 0), 0) - camera.OntoPlane(px, 0)).norm();
   const double radius_m = env_.before().width->radius_px * m_per_px;
+  config_.pick_place.slit_m = 0;
   for (const double room : {0.99 * radius_m, 1.01 * radius_m}) {
     config_.pick_place.room_m = room;
     BaggingEnv env(rig_, rig_, rig_, rig_, config_);
@@ -398,8 +404,34 @@ TEST_F(BaggingEnvTest, PickPlaceWidensANarrowMouthAndLeavesTheCubeWhereItIs) {
   }
 }
 
+TEST_F(BaggingEnvTest, PickPlaceLaysABagWithAShortNarrowMouthFlatByItsNearLip) {
+  (void)env_.Begin("2", 5);
+  const CameraModel& camera = rig_.model();
+  const cv::Point2d px = env_.before().opening_centre.px;
+  const double m_per_px =
+      (camera.OntoPlane(px + cv::Point2d(1, 0), 0) - camera.OntoPlane(px, 0)).norm();
+  const double length_m = env_.before().width->length_px * m_per_px;
+  config_.pick_place.room_m = 0.1;
+  for (const double slit : {0.99 * length_m, 1.01 * length_m}) {
+    config_.pick_place.slit_m = slit;
+    BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+    (void)env.Begin("2", 5);
+    const bool laid_flat = env.Act(5).log["note"] == "bag laid flat instead";
+    EXPECT_EQ(laid_flat, slit > length_m);
+    const Eigen::Vector2d near = env.before().lips->near.p_W.head<2>();
+    const double aside = (HeldPath().front().head<2>() - near).norm();
+    if (laid_flat) {
+      EXPECT_NEAR(aside, config_.pick_place.grasp_inset_m, 1e-9);
+    }
+    double highest = 0;
+    for (const Eigen::Vector3d& p : HeldPath()) highest = std::max(highest, p.z());
+    EXPECT_EQ(highest >= config_.grasp_lift.lift_low_m, laid_flat);
+  }
+}
+
 TEST_F(BaggingEnvTest, PickPlaceDrawsTheInnerSideOfANarrowMouthAwayFromTheOther) {
   config_.pick_place.room_m = 0.1;
+  config_.pick_place.slit_m = 0;
   for (const double back_deg : {0.0, 90.0}) {
     config_.pick_place.back_deg = back_deg;
     BaggingEnv env(rig_, rig_, rig_, rig_, config_);

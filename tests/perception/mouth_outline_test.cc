@@ -149,6 +149,7 @@ TEST(MeasureWidth, OfASlitIsItsWidthAcrossHoweverItIsTurned) {
     const auto width = MeasureWidth(slit, box);
     ASSERT_TRUE(width.has_value());
     EXPECT_NEAR(width->radius_px, wide_px / 2, 1.5);
+    EXPECT_NEAR(width->length_px, long_px, 1.5);
     EXPECT_NEAR(cv::norm(0.5 * (width->sides[0] + width->sides[1]) - centre), 0, 1.5);
     EXPECT_NEAR(std::abs((width->sides[0] - width->sides[1]).dot(across)), wide_px, 3);
     EXPECT_NEAR((width->sides[0] - width->sides[1]).dot(along), 0, 2);
