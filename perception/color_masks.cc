@@ -181,8 +181,8 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   const HsvRange label_hue({config.label_hsv_min[0], 0, config.label_hsv_min[2]},
                            config.label_hsv_max);
 
-  ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1),
-                   cv::Mat(color.size(), CV_8UC1), cv::Mat(view.roi.size(), CV_8UC1)};
+  ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1),
+                   cv::Mat(color.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1)};
   std::array<Histogram, 3> cloth_bgr{};
   cv::Mat hsv;
   for (int top = 0; top < color.rows; top += kStrip) {
@@ -203,21 +203,28 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
     }
   }
 
+  // Labels lie on the cloth or beside it.
+  cv::Rect on_bag = cv::boundingRect(masks.cloth);
+  if (on_bag.empty()) return masks;
+  on_bag -= cv::Point(kLabelLength_px, kLabelLength_px);
+  on_bag += cv::Size(2 * kLabelLength_px, 2 * kLabelLength_px);
+  on_bag &= cv::Rect({0, 0}, view.roi.size());
+
   const cv::Mat balance = BalanceTable(cloth_bgr);
   Histogram cloth_saturation{};
   cv::Mat balanced;
-  for (int top = 0; top < view.roi.height; top += kStrip) {
-    const int rows = std::min(kStrip, view.roi.height - top);
-    cv::LUT(color(cv::Rect(view.roi.x, view.roi.y + top, view.roi.width, rows)), balance, balanced);
+  for (int top = on_bag.y; top < on_bag.br().y; top += kStrip) {
+    const cv::Rect strip(on_bag.x, top, on_bag.width, std::min(kStrip, on_bag.br().y - top));
+    cv::LUT(color(strip + view.roi.tl()), balance, balanced);
     cv::cvtColor(balanced, hsv, cv::COLOR_BGR2HSV);
-    for (int y = 0; y < rows; ++y) {
+    for (int y = 0; y < strip.height; ++y) {
       const uchar* row = hsv.ptr(y);
-      MarkRow(row, view.roi.width,
-              {{&label, masks.label.ptr(top + y)},
-               {&label_hue, masks.label_cover.ptr(top + y), /*saturation=*/true}});
+      MarkRow(row, strip.width,
+              {{&label, masks.label.ptr(top + y) + strip.x},
+               {&label_hue, masks.label_cover.ptr(top + y) + strip.x, /*saturation=*/true}});
       if ((top + y) % kSampled != 0) continue;
-      const uchar* is_cloth = masks.cloth.ptr(top + y);
-      for (int x = 0; x < view.roi.width; x += kSampled) {
+      const uchar* is_cloth = masks.cloth.ptr(top + y) + strip.x;
+      for (int x = (kSampled - strip.x % kSampled) % kSampled; x < strip.width; x += kSampled) {
         if (is_cloth[x] != 0) ++cloth_saturation[row[3 * x + 1]];
       }
     }

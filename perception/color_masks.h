@@ -20,8 +20,8 @@ struct ColorMasks {
   cv::Mat label_cover;
 };
 
-/// Sorts the pixels by hue, saturation and brightness. Labels are sought in colours balanced by the
-/// cloth's, which takes the light's tint off.
+/// Sorts the pixels by hue, saturation and brightness. Labels are sought on the cloth and a label's
+/// length round it, in colours balanced by the cloth's, which takes the light's tint off.
 ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config);
 
 }  // namespace gusset

@@ -64,21 +64,6 @@ bool Uncross(std::vector<cv::Point2d>& way) {
   return false;
 }
 
-// Distance of every pixel of the box from what lies outside the outline or the box; CV_32FC1.
-cv::Mat DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box) {
-  std::vector<cv::Point> corners;
-  for (const cv::Point2d& p : outline) corners.emplace_back(cvRound(p.x), cvRound(p.y));
-  // The outline's own box is enough: what surrounds it is nearest to what is inside.
-  cv::Mat depth = cv::Mat::zeros(box.size(), CV_32FC1);
-  const cv::Rect part = cv::boundingRect(corners) & box;
-  if (part.empty()) return depth;
-  cv::Mat framed, of_part;
-  cv::copyMakeBorder(FilledContour(corners, part), framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
-  cv::distanceTransform(framed, of_part, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  of_part(cv::Rect({1, 1}, part.size())).copyTo(depth(part - box.tl()));
-  return depth;
-}
-
 }  // namespace
 
 std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points) {
@@ -93,28 +78,42 @@ std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points) {
   return way;
 }
 
-cv::Mat RoomWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box, double radius_px) {
-  if (outline.size() < 3) return cv::Mat::zeros(box.size(), CV_8UC1);
-  const cv::Mat depth = DepthWithin(outline, box);
+MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box) {
+  if (outline.size() < 3) return {};
+  RequirePixels(outline, 0, "outline");
+  std::vector<cv::Point> corners;
+  for (const cv::Point2d& p : outline) corners.emplace_back(cvRound(p.x), cvRound(p.y));
+  // The outline's own box is enough: what surrounds it is nearest to what is inside.
+  MouthDepth depth{cv::boundingRect(corners) & box, {}};
+  if (depth.part.empty()) return {};
+  cv::Mat framed, framed_depth;
+  cv::copyMakeBorder(FilledContour(corners, depth.part), framed, 1, 1, 1, 1, cv::BORDER_CONSTANT,
+                     0);
+  cv::distanceTransform(framed, framed_depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  depth.px = framed_depth(cv::Rect({1, 1}, depth.part.size()));
+  return depth;
+}
+
+cv::Mat RoomWithin(const MouthDepth& depth, double radius_px) {
+  if (depth.part.empty()) return cv::Mat::zeros(depth.part.size(), CV_8UC1);
   double most = 0;
-  cv::minMaxLoc(depth, nullptr, &most);
-  return depth >= std::min(radius_px, most);
+  cv::minMaxLoc(depth.px, nullptr, &most);
+  return depth.px >= std::min(radius_px, most);
 }
 
 std::optional<MouthWidth> MeasureWidth(const std::vector<cv::Point2d>& outline,
-                                       const cv::Rect& box) {
-  if (outline.size() < 3) return std::nullopt;
-  const cv::Mat depth = DepthWithin(outline, box);
+                                       const MouthDepth& depth) {
+  if (depth.part.empty()) return std::nullopt;
   const auto inside = [&](cv::Point2d p) {
     const cv::Point pixel(cvRound(p.x), cvRound(p.y));
-    return cv::Rect({0, 0}, box.size()).contains(pixel) && depth.at<float>(pixel) > 0;
+    return cv::Rect({0, 0}, depth.part.size()).contains(pixel) && depth.px.at<float>(pixel) > 0;
   };
   MouthWidth width;
   cv::Point deepest;
-  cv::minMaxLoc(depth, nullptr, &width.radius_px, nullptr, &deepest);
+  cv::minMaxLoc(depth.px, nullptr, &width.radius_px, nullptr, &deepest);
   if (width.radius_px <= 0) return std::nullopt;
 
-  const cv::Moments m = cv::moments(depth > 0, /*binaryImage=*/true);
+  const cv::Moments m = cv::moments(depth.px > 0, /*binaryImage=*/true);
   const cv::Point2d along = LongerAxis(m.mu20, m.mu11, m.mu02);
   const auto [first, last] = std::ranges::minmax(outline, {}, [&](auto p) { return along.dot(p); });
   width.length_px = along.dot(last - first);
@@ -124,7 +123,7 @@ std::optional<MouthWidth> MeasureWidth(const std::vector<cv::Point2d>& outline,
     const cv::Point2d step = (side == 0 ? 1 : -1) * cv::Point2d(-along.y, along.x);
     cv::Point2d p = middle;
     while (inside(p)) p += step;
-    width.sides[side] = p + cv::Point2d(box.tl());
+    width.sides[side] = p + cv::Point2d(depth.part.tl());
   }
   return width;
 }

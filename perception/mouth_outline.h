@@ -16,10 +16,19 @@ namespace gusset {
 /// The result is the same for any order of the points. Fewer than three: as they are.
 std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points);
 
-/// Where a disc finds room: mask of the pixels at least radius_px inside the outline (or as far
-/// inside as any is, if the outline is narrower): CV_8UC1, 0 or 255, as large as `box`, which the
-/// outline's coordinates count in. Nothing if the outline has fewer than three points.
-cv::Mat RoomWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box, double radius_px);
+/// How far inside a mouth's outline each pixel lies.
+struct MouthDepth {
+  cv::Rect part;  ///< Where the outline is, of the box that was asked for.
+  cv::Mat px;     ///< Of each pixel of `part`, CV_32FC1, 0 outside. Empty if `part` is.
+};
+
+/// Distance from what lies outside the outline or `box`, both in the image's pixels. Nothing if the
+/// outline has fewer than three points.
+MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box);
+
+/// Where a disc finds room: mask of the pixels at least radius_px inside (or as far inside as any
+/// is, if the mouth is narrower): CV_8UC1, 0 or 255, as large as depth.part.
+cv::Mat RoomWithin(const MouthDepth& depth, double radius_px);
 
 /// How wide a mouth is, and how long.
 struct MouthWidth {
@@ -29,9 +38,9 @@ struct MouthWidth {
   std::array<cv::Point2d, 2> sides;
 };
 
-/// @param box as in RoomWithin; what the outline holds beyond it does not count.
-/// @returns nothing if the outline has fewer than three points or holds no pixel.
+/// @param depth of that outline; what it holds beyond depth's box counts for length_px alone.
+/// @returns nothing if the outline holds no pixel.
 std::optional<MouthWidth> MeasureWidth(const std::vector<cv::Point2d>& outline,
-                                       const cv::Rect& box);
+                                       const MouthDepth& depth);
 
 }  // namespace gusset

@@ -181,8 +181,11 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
       const std::vector<cv::Point2d> lips = MouthOutline(observation.labels);
-      SnapOnto(RoomWithin(lips, view.roi, config.place_inset_px), view.roi.tl(), 0, place);
-      if (const auto width = MeasureWidth(lips, view.roi)) {
+      const MouthDepth depth = DepthWithin(lips, view.roi);
+      if (!depth.part.empty()) {
+        SnapOnto(RoomWithin(depth, config.place_inset_px), depth.part.tl(), 0, place);
+      }
+      if (const auto width = MeasureWidth(lips, depth)) {
         observation.width = Width{
             width->radius_px,
             width->length_px,

@@ -11,6 +11,7 @@
 #include "perception/depth.h"
 #include "perception/labels.h"
 #include "perception/mouth_by_depth.h"
+#include "perception/mouth_outline.h"
 #include "perception/opening_area.h"
 #include "perception/outline.h"
 #include "perception/overlay.h"
@@ -82,7 +83,7 @@ std::vector<cv::Point_<T>> As(const std::vector<cv::Point2d>& points) {
 
 void CallOne(Bytes bytes) {
   PerceptionConfig config;
-  const int which = bytes.Below(13);
+  const int which = bytes.Below(14);
   switch (which) {
     case 0:
     case 1:
@@ -144,6 +145,14 @@ void CallOne(Bytes bytes) {
       const cv::Mat depth = bytes.Image();
       (void)FindLipPoints(color, bytes.Byte() % 2 == 0 ? depth : cv::Mat(), bytes.Image(),
                           bytes.Below(40), config);
+      return;
+    }
+    case 13: {
+      const std::vector<cv::Point2d> outline = MouthOutline(bytes.Points());
+      const MouthDepth depth = DepthWithin(
+          outline, {bytes.Below(300), bytes.Below(300), bytes.Below(400), bytes.Below(400)});
+      (void)RoomWithin(depth, bytes.Number());
+      (void)MeasureWidth(outline, depth);
       return;
     }
   }

@@ -60,14 +60,32 @@ TEST(ColorMasks, CoverIsTheShareOfALabelInAPixelWhateverTheTint) {
 // A toy, a cable: twice as saturated as labels, and larger than all of them.
 TEST(ColorMasks, GreenThingsOnTheCanvasDoNotChangeWhatALabelCovers) {
   RgbdFrame frame = MixedFrame(1);
+  const cv::Point roi(kConfig.roi_x, kConfig.roi_y);
+  // A scrap of paper in a corner, so that the toy lies between things of cloth's colour.
+  frame.color(cv::Rect(2, 2, 4, 4) + roi) = synthetic::kCloth;
   const cv::Mat alone = MasksOf(frame).label_cover.clone();
   const cv::Rect toy(20, 20, 40, 30);
-  frame.color(toy + cv::Point(kConfig.roi_x, kConfig.roi_y)) = cv::Scalar(10, 180, 90);
+  frame.color(toy + roi) = cv::Scalar(10, 180, 90);
   const ColorMasks masks = MasksOf(frame);
   ASSERT_EQ(cv::countNonZero(masks.label(toy)), toy.area()) << "of a label's colour";
   cv::Mat elsewhere = cv::Mat::ones(alone.size(), CV_8UC1);
   elsewhere(toy) = 0;
   EXPECT_EQ(cv::norm(alone, masks.label_cover, cv::NORM_INF, elsewhere), 0);
+}
+
+// Labels are sought on what has cloth's colour, and a label's length round it.
+TEST(ColorMasks, GreenThingsFarFromTheClothAreNoLabels) {
+  RgbdFrame frame = MixedFrame(1);
+  const ColorMasks before = MasksOf(frame);
+  const cv::Rect box = cv::boundingRect(before.cloth);
+  ASSERT_GT(box.x, 40);
+  for (const int apart : {5, 30}) {
+    RgbdFrame with = frame;
+    with.color = frame.color.clone();
+    const cv::Rect toy(box.x - apart - 4, box.y + 20, 4, 30);
+    with.color(toy + cv::Point(kConfig.roi_x, kConfig.roi_y)) = cv::Scalar(10, 180, 90);
+    EXPECT_EQ(cv::countNonZero(MasksOf(with).label(toy)), apart == 5 ? toy.area() : 0);
+  }
 }
 
 TEST(ColorMasks, NothingCoversClothCubeAndCanvas) {

@@ -100,10 +100,23 @@ TEST(MouthOutline, TakesPointsOnALineTwiceOrTooFew) {
   EXPECT_THROW(MouthOutline({{0, 0}, {1, std::nan("")}, {2, 2}}), InputError);
 }
 
+// Room as a mask of the whole box.
+cv::Mat RoomIn(const Points& outline, const cv::Rect& box, double radius_px) {
+  const MouthDepth depth = DepthWithin(outline, box);
+  cv::Mat room = cv::Mat::zeros(box.size(), CV_8UC1);
+  const cv::Mat part = RoomWithin(depth, radius_px);
+  if (!part.empty()) part.copyTo(room(depth.part - box.tl()));
+  return room;
+}
+
+std::optional<MouthWidth> WidthIn(const Points& outline, const cv::Rect& box) {
+  return MeasureWidth(outline, DepthWithin(outline, box));
+}
+
 TEST(RoomWithin, IsWhereADiscFits) {
   const cv::Rect box(100, 50, 200, 150);
   const Points square = {{150, 80}, {230, 80}, {230, 160}, {150, 160}};
-  const cv::Mat room = RoomWithin(square, box, 15);
+  const cv::Mat room = RoomIn(square, box, 15);
   ASSERT_EQ(room.size(), box.size());
   // A square of 80, its border included, less 15 at every side.
   const cv::Rect found = cv::boundingRect(room);
@@ -116,7 +129,7 @@ TEST(RoomWithin, IsWhereADiscFits) {
 TEST(RoomWithin, OfANarrowMouthIsWhatLiesFarthestInside) {
   const cv::Rect box(0, 0, 200, 200);
   const Points slit = {{20, 90}, {180, 90}, {180, 100}, {20, 100}};
-  const cv::Mat room = RoomWithin(slit, box, 18);
+  const cv::Mat room = RoomIn(slit, box, 18);
   Points inside;
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 200; ++x) {
@@ -129,10 +142,10 @@ TEST(RoomWithin, OfANarrowMouthIsWhatLiesFarthestInside) {
 
 TEST(RoomWithin, EndsAtTheImagesEdgeAndIsNothingForTwoPoints) {
   const cv::Rect box(0, 0, 100, 100);
-  const cv::Mat room = RoomWithin({{-50, -50}, {150, -50}, {150, 150}, {-50, 150}}, box, 10);
+  const cv::Mat room = RoomIn({{-50, -50}, {150, -50}, {150, 150}, {-50, 150}}, box, 10);
   EXPECT_EQ(room.at<uchar>(5, 50), 0);
   EXPECT_NE(room.at<uchar>(50, 50), 0);
-  EXPECT_EQ(cv::countNonZero(RoomWithin({{10, 10}, {50, 50}}, box, 10)), 0);
+  EXPECT_EQ(cv::countNonZero(RoomIn({{10, 10}, {50, 50}}, box, 10)), 0);
 }
 
 TEST(MeasureWidth, OfASlitIsItsWidthAcrossHoweverItIsTurned) {
@@ -146,7 +159,7 @@ TEST(MeasureWidth, OfASlitIsItsWidthAcrossHoweverItIsTurned) {
     for (const auto& [a, b] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
       slit.push_back(centre + a * long_px / 2 * along + b * wide_px / 2 * across);
     }
-    const auto width = MeasureWidth(slit, box);
+    const auto width = WidthIn(slit, box);
     ASSERT_TRUE(width.has_value());
     EXPECT_NEAR(width->radius_px, wide_px / 2, 1.5);
     EXPECT_NEAR(width->length_px, long_px, 1.5);
@@ -157,7 +170,7 @@ TEST(MeasureWidth, OfASlitIsItsWidthAcrossHoweverItIsTurned) {
 }
 
 TEST(MeasureWidth, OfABentMouthIsMeasuredWhereThereIsMouth) {
-  const auto width = MeasureWidth(MouthOutline(BentMouth()), {0, 0, 300, 300});
+  const auto width = WidthIn(MouthOutline(BentMouth()), {0, 0, 300, 300});
   ASSERT_TRUE(width.has_value());
   // As wide as an arm, or wider in the bend, whose inner corner is cut: to the circle that touches
   // the outer sides and the cut, (132, 116) to (164, 148), 45.3 px from the outer corner.
@@ -172,9 +185,9 @@ TEST(MeasureWidth, OfABentMouthIsMeasuredWhereThereIsMouth) {
 
 TEST(MeasureWidth, IsNoneWhereThereIsNoMouth) {
   const cv::Rect box(0, 0, 100, 100);
-  EXPECT_FALSE(MeasureWidth({}, box));
-  EXPECT_FALSE(MeasureWidth({{10, 10}, {50, 50}}, box));
-  EXPECT_FALSE(MeasureWidth({{200, 200}, {300, 200}, {300, 300}}, box));
+  EXPECT_FALSE(WidthIn({}, box));
+  EXPECT_FALSE(WidthIn({{10, 10}, {50, 50}}, box));
+  EXPECT_FALSE(WidthIn({{200, 200}, {300, 200}, {300, 300}}, box));
 }
 
 }  // namespace
