@@ -36,6 +36,9 @@ class HsvRange {
   /// No pixel darker than this belongs.
   void RaiseLeastValue(double v) { lo_[2] = std::max(lo_[2], Level(v)); }
 
+  /// Where the largest and the smallest of B, G and R differ by less, no pixel belongs.
+  int least_chroma() const { return lo_[1] * lo_[2] / 255; }
+
   bool Holds(uchar h, uchar s, uchar v) const {
     const bool from = h >= lo_[0];
     const bool to = h <= hi_[0];
@@ -85,6 +88,35 @@ void MarkRow(const uchar* hsv, int count, std::initializer_list<RowMask> rows) {
       const uchar inside = row.saturation ? p[1] : 255;
       row.mask[x] = row.range->Holds(p[0], p[1], p[2]) ? inside : 0;
     }
+  }
+}
+
+/// Largest difference between the largest and the smallest of a pixel's B, G and R.
+int MostChroma(const cv::Mat& bgr) {
+  constexpr int kLanes = cv::v_uint8x16::nlanes;
+  cv::v_uint8x16 most = cv::v_setzero_u8();
+  int result = 0;
+  for (int y = 0; y < bgr.rows; ++y) {
+    const uchar* row = bgr.ptr(y);
+    int x = 0;
+    for (; x + kLanes <= bgr.cols; x += kLanes) {
+      cv::v_uint8x16 b, g, r;
+      cv::v_load_deinterleave(row + 3 * x, b, g, r);
+      most = cv::v_max(most, cv::v_max(cv::v_max(b, g), r) - cv::v_min(cv::v_min(b, g), r));
+    }
+    for (; x < bgr.cols; ++x) {
+      const auto [lo, hi] = std::minmax({row[3 * x], row[3 * x + 1], row[3 * x + 2]});
+      result = std::max(result, hi - lo);
+    }
+  }
+  return std::max(result, static_cast<int>(cv::v_reduce_max(most)));
+}
+
+/// Calls f with one part of the rectangle after the other, kStrip rows each.
+template <class F>
+void ForStrips(const cv::Rect& rect, const F& f) {
+  for (int top = rect.y; top < rect.br().y; top += kStrip) {
+    f(cv::Rect(rect.x, top, rect.width, std::min(kStrip, rect.br().y - top)));
   }
 }
 
@@ -182,25 +214,39 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
                            config.label_hsv_max);
 
   ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1),
-                   cv::Mat(color.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1)};
+                   cv::Mat::zeros(color.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1)};
   std::array<Histogram, 3> cloth_bgr{};
   cv::Mat hsv;
-  for (int top = 0; top < color.rows; top += kStrip) {
-    const cv::Rect strip(0, top, color.cols, std::min(kStrip, color.rows - top));
+  ForStrips(view.roi, [&](const cv::Rect& strip) {
     cv::cvtColor(color(strip), hsv, cv::COLOR_BGR2HSV);
     for (int y = 0; y < strip.height; ++y) {
-      const int in_roi = top + y - view.roi.y;
-      MarkRow(hsv.ptr(y), color.cols, {{&cube, masks.cube.ptr(top + y)}});
-      if (in_roi < 0 || in_roi >= view.roi.height) continue;
-      MarkRow(hsv.ptr(y) + 3 * view.roi.x, view.roi.width, {{&cloth, masks.cloth.ptr(in_roi)}});
-      if (in_roi % kSampled != 0) continue;
-      const uchar* is_cloth = masks.cloth.ptr(in_roi);
-      const auto* bgr = color.ptr<cv::Vec3b>(top + y) + view.roi.x;
-      for (int x = 0; x < view.roi.width; x += kSampled) {
+      const int row = strip.y + y - view.roi.y;
+      MarkRow(hsv.ptr(y), strip.width,
+              {{&cube, masks.cube.ptr(strip.y + y) + strip.x}, {&cloth, masks.cloth.ptr(row)}});
+      if (row % kSampled != 0) continue;
+      const uchar* is_cloth = masks.cloth.ptr(row);
+      const auto* bgr = color.ptr<cv::Vec3b>(strip.y + y) + strip.x;
+      for (int x = 0; x < strip.width; x += kSampled) {
         if (is_cloth[x] == 0) continue;
         for (int k = 0; k < 3; ++k) ++cloth_bgr[static_cast<std::size_t>(k)][bgr[x][k]];
       }
     }
+  });
+
+  const cv::Rect& roi = view.roi;
+  for (const cv::Rect& beside :
+       {cv::Rect(0, 0, color.cols, roi.y),
+        cv::Rect(0, roi.br().y, color.cols, color.rows - roi.br().y),
+        cv::Rect(0, roi.y, roi.x, roi.height),
+        cv::Rect(roi.br().x, roi.y, color.cols - roi.br().x, roi.height)}) {
+    ForStrips(beside, [&](const cv::Rect& strip) {
+      // Most of it is canvas, too grey to be worth its conversion.
+      if (MostChroma(color(strip)) < cube.least_chroma()) return;
+      cv::cvtColor(color(strip), hsv, cv::COLOR_BGR2HSV);
+      for (int y = 0; y < strip.height; ++y) {
+        MarkRow(hsv.ptr(y), strip.width, {{&cube, masks.cube.ptr(strip.y + y) + strip.x}});
+      }
+    });
   }
 
   // Labels lie on the cloth or beside it.
@@ -213,22 +259,21 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   const cv::Mat balance = BalanceTable(cloth_bgr);
   Histogram cloth_saturation{};
   cv::Mat balanced;
-  for (int top = on_bag.y; top < on_bag.br().y; top += kStrip) {
-    const cv::Rect strip(on_bag.x, top, on_bag.width, std::min(kStrip, on_bag.br().y - top));
-    cv::LUT(color(strip + view.roi.tl()), balance, balanced);
+  ForStrips(on_bag, [&](const cv::Rect& strip) {
+    cv::LUT(color(strip + roi.tl()), balance, balanced);
     cv::cvtColor(balanced, hsv, cv::COLOR_BGR2HSV);
     for (int y = 0; y < strip.height; ++y) {
-      const uchar* row = hsv.ptr(y);
-      MarkRow(row, strip.width,
-              {{&label, masks.label.ptr(top + y) + strip.x},
-               {&label_hue, masks.label_cover.ptr(top + y) + strip.x, /*saturation=*/true}});
-      if ((top + y) % kSampled != 0) continue;
-      const uchar* is_cloth = masks.cloth.ptr(top + y) + strip.x;
+      const int row = strip.y + y;
+      MarkRow(hsv.ptr(y), strip.width,
+              {{&label, masks.label.ptr(row) + strip.x},
+               {&label_hue, masks.label_cover.ptr(row) + strip.x, /*saturation=*/true}});
+      if (row % kSampled != 0) continue;
+      const uchar* is_cloth = masks.cloth.ptr(row) + strip.x;
       for (int x = (kSampled - strip.x % kSampled) % kSampled; x < strip.width; x += kSampled) {
-        if (is_cloth[x] != 0) ++cloth_saturation[row[3 * x + 1]];
+        if (is_cloth[x] != 0) ++cloth_saturation[hsv.ptr(y)[3 * x + 1]];
       }
     }
-  }
+  });
   ToCover(masks.label, masks.cloth, Quantile(cloth_saturation, 0.5),
           cv::saturate_cast<uchar>(config.label_hsv_min[1]), masks.label_cover);
   return masks;

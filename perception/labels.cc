@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <ranges>
 #include <tuple>
 
 #include "perception/require.h"
@@ -104,7 +103,7 @@ Profile ProfileOf(const std::vector<Pixel>& spot, cv::Point2d axis) {
 }
 
 /// How many of the bins, in their order, hold so much.
-double Reach(const auto& bins, double area) {
+double Reach(const std::vector<double>& bins, double area) {
   double reach = 0;
   for (const double width : bins) {
     if (width >= area) return reach + (area > 0 ? area / width : 0);
@@ -166,7 +165,7 @@ std::array<std::vector<Pixel>, 2> CutOffSliver(const std::vector<Pixel>& spot,
                                                const Moments& moments, const cv::Mat& bag,
                                                double least_area) {
   const Profile profile = ProfileOf(spot, moments.axis);
-  const auto backwards = std::views::reverse(profile.width);
+  const std::vector<double> backwards(profile.width.rbegin(), profile.width.rend());
   const auto bins = static_cast<double>(profile.width.size());
   const double sliver = std::max(least_area, moments.area - kLabelArea_px2);
   CutRange range{Reach(profile.width, least_area),

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
+#include "base/random.h"
 #include "tests/perception/synthetic_frame.h"
 
 namespace gusset {
@@ -85,6 +88,30 @@ TEST(ColorMasks, GreenThingsFarFromTheClothAreNoLabels) {
     const cv::Rect toy(box.x - apart - 4, box.y + 20, 4, 30);
     with.color(toy + cv::Point(kConfig.roi_x, kConfig.roi_y)) = cv::Scalar(10, 180, 90);
     EXPECT_EQ(cv::countNonZero(MasksOf(with).label(toy)), apart == 5 ? toy.area() : 0);
+  }
+}
+
+// What is grey is not converted, so ask cv::inRange, which looks everywhere.
+TEST(ColorMasks, CubeIsWhereItsColourIsInTheWholeFrame) {
+  Rng rng(7);
+  for (int k = 0; k < 40; ++k) {
+    RgbdFrame frame = synthetic::EmptyTable();
+    synthetic::DrawFlatBag(frame);
+    synthetic::DrawCube(frame, {rng.Below(600) + 20., rng.Below(440) + 20.});
+    // Bright and dull reds and other specks, down to single pixels, at the image's edge too.
+    for (int speck = 0; speck < 60; ++speck) {
+      const cv::Point at(rng.Below(640), rng.Below(480));
+      frame.color.at<cv::Vec3b>(at) =
+          cv::Vec3b(static_cast<uchar>(rng.Below(120)), static_cast<uchar>(rng.Below(120)),
+                    static_cast<uchar>(rng.Below(256)));
+    }
+    cv::Mat hsv, high, low;
+    cv::cvtColor(frame.color, hsv, cv::COLOR_BGR2HSV);
+    const auto &min = kConfig.cube_hsv_min, &max = kConfig.cube_hsv_max;
+    ASSERT_GT(min[0], max[0]) << "red wraps";
+    cv::inRange(hsv, cv::Scalar(min[0], min[1], min[2]), cv::Scalar(255, max[1], max[2]), high);
+    cv::inRange(hsv, cv::Scalar(0, min[1], min[2]), cv::Scalar(max[0], max[1], max[2]), low);
+    EXPECT_EQ(cv::norm(MasksOf(frame).cube, high | low, cv::NORM_INF), 0);
   }
 }
 
