@@ -14,11 +14,14 @@ namespace {
 /// rim is what lies within twice that.
 constexpr double kRimBand_m = 0.04;
 
+const double kRoom_px = PerceptionConfig().place_inset_px;
+
 constexpr const char* kPointNames[] = {"s0 grasp points on the bag",
                                        "s0 edge points on the bag",
                                        "s1 grasp points within 40 mm of the rim",
                                        "s1 drag targets on the bag",
                                        "s2 place points inside the mouth",
+                                       "the same, of a mouth with room for it",
                                        "s3 grasp points on the bag"};
 
 State StateByAreas(const LabelledFrame& truth, double A_bag, double A_o,
@@ -132,7 +135,11 @@ void CorpusScore::AddPoints(const Observation& seen, const cv::Mat& surface) {
       count(kS1Target, seen.place_points, on_bag);
       break;
     case State::kOpen:
-      count(kS2Place, seen.place_points, [](Shown shown, double) { return IsInside(shown); });
+      for (const PointKind kind : {kS2Place, kS2Room}) {
+        // Into a narrower mouth nothing is placed.
+        if (kind == kS2Room && (!seen.width || seen.width->radius_px < kRoom_px)) continue;
+        count(kind, seen.place_points, [](Shown shown, double) { return IsInside(shown); });
+      }
       break;
     case State::kFilled:
       count(kS3Grasp, seen.grasp_points, on_bag);
