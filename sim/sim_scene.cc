@@ -226,6 +226,23 @@ void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   labels_ = MakeLabels(bag);
 }
 
+ClothItem SimScene::DrawnCloth() const {
+  const ClothMesh& mesh = world_->cloth().mesh();
+  ClothItem cloth;
+  cloth.x = world_->cloth().state().x;
+  cloth.triangles = mesh.triangles;
+  cloth.triangle_layer = mesh.triangle_layer;
+  cloth.uv = mesh.uv;
+  cloth.thickness_m = mesh.thickness_m;
+  cloth.rgb = look_.bag_rgb;
+  cloth.label_rgb = look_.label_rgb;
+  for (const BagLabel& l : labels_) {
+    if (!config_.variation.labels_drawn) break;
+    cloth.labels.push_back({l.u0, l.u1, l.v0, l.v1, l.layer});
+  }
+  return cloth;
+}
+
 RgbdFrame SimScene::Look(const CameraModel& camera) {
   SceneView view;
   view.items = statics_.items();
@@ -256,18 +273,7 @@ RgbdFrame SimScene::Look(const CameraModel& camera) {
   cube.contrast = kCubeContrast;
   view.items.push_back(cube);
 
-  const ClothMesh& mesh = world_->cloth().mesh();
-  view.cloth.x = world_->cloth().state().x;
-  view.cloth.triangles = mesh.triangles;
-  view.cloth.triangle_layer = mesh.triangle_layer;
-  view.cloth.uv = mesh.uv;
-  view.cloth.thickness_m = mesh.thickness_m;
-  view.cloth.rgb = look_.bag_rgb;
-  view.cloth.label_rgb = look_.label_rgb;
-  for (const BagLabel& l : labels_) {
-    if (!config_.variation.labels_drawn) break;
-    view.cloth.labels.push_back({l.u0, l.u1, l.v0, l.v1, l.layer});
-  }
+  view.cloth = DrawnCloth();
   return renderer_.Render(view, camera);
 }
 

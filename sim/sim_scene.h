@@ -77,6 +77,8 @@ class SimScene : public ScenePort, public CameraPort {
   const SimConfig& config() const { return config_; }
   const std::vector<BagLabel>& labels() const { return labels_; }
   std::string gl_renderer() const { return renderer_.gl_renderer(); }
+  /// The cloth in its present shape as Look draws it.
+  ClothItem DrawnCloth() const;
   /// From now on calls `callback` after every period_s of simulated time.
   void Watch(double period_s, std::function<void()> callback);
   /// From now on the bag is drawn with its labels or without, as variation.labels_drawn says at

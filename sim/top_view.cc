@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace gusset {
 
@@ -102,60 +103,116 @@ Shown SideOf(int layer, bool counter_clockwise) {
   return counter_clockwise ? Shown::kInner0 : Shown::kOuter0;
 }
 
-}  // namespace
+// Paints cloth and cube into one view.
+class Painter {
+ public:
+  Painter(const std::vector<BagLabel>& labels, const CameraModel& camera,
+          const std::array<int, 4>& roi)
+      : canvas_(camera, roi), labels_(labels), width_(roi[2]), height_(roi[3]) {
+    const auto count = static_cast<std::size_t>(width_ * height_);
+    view_.mask.assign(count, 0);
+    view_.shown.assign(count, Shown::kNothing);
+    view_.rim_m.assign(count, 0);
+    view_.label.assign(count, -1);
+    view_.label_px.assign(labels.size(), 0);
+    view_.label_centre_px.assign(labels.size(), Eigen::Vector2d::Zero());
+  }
 
-TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
-                  const CameraModel& camera, const std::array<int, 4>& roi, const TriMesh* cube_W) {
-  const int width = roi[2], height = roi[3];
-  const auto count = static_cast<std::size_t>(width * height);
-  TopView view;
-  view.mask.assign(count, 0);
-  view.shown.assign(count, Shown::kNothing);
-  view.rim_m.assign(count, 0);
-  view.label.assign(count, -1);
-  view.label_px.assign(labels.size(), 0);
-  view.label_centre_px.assign(labels.size(), Eigen::Vector2d::Zero());
-  Canvas canvas(camera, roi);
-  std::vector<Vec3f> pixel(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) pixel[i] = canvas.Project(x[i].cast<double>());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& n = mesh.triangles[t];
-    const Vec3f &a = pixel[n[0]], &b = pixel[n[1]], &c = pixel[n[2]];
-    const int layer = mesh.triangle_layer[t];
-    const Shown side = SideOf(layer, Canvas::TwiceArea(a, b, c) < 0);
-    canvas.Draw(a, b, c, [&](std::size_t at, const std::array<float, 3>& w) {
-      const Eigen::Vector2f uv = w[0] * mesh.uv[n[0]] + w[1] * mesh.uv[n[1]] + w[2] * mesh.uv[n[2]];
-      view.mask[at] = 1;
-      view.shown[at] = side;
-      view.rim_m[at] = uv.y();
-      view.label[at] = LabelAt(labels, layer, uv);
+  /// A triangle of cloth: its corners as projected, and in cloth.
+  void Cloth(const std::array<Vec3f, 3>& p, const std::array<Eigen::Vector2f, 3>& uv, int layer,
+             Shown side) {
+    canvas_.Draw(p[0], p[1], p[2], [&](std::size_t at, const std::array<float, 3>& w) {
+      const Eigen::Vector2f here = w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2];
+      view_.mask[at] = 1;
+      view_.shown[at] = side;
+      view_.rim_m[at] = here.y();
+      view_.label[at] = LabelAt(labels_, layer, here);
     });
   }
-  if (cube_W != nullptr) {
-    for (const auto& n : cube_W->triangles) {
+
+  /// After all cloth: the mask is of the cloth under it, too.
+  void Cube(const TriMesh& cube_W) {
+    for (const auto& n : cube_W.triangles) {
       const auto corner = [&](int k) {
-        return canvas.Project(cube_W->vertices[static_cast<std::size_t>(n[k])].cast<double>());
+        return canvas_.Project(cube_W.vertices[static_cast<std::size_t>(n[k])].cast<double>());
       };
-      canvas.Draw(corner(0), corner(1), corner(2), [&](std::size_t at, const auto&) {
-        view.shown[at] = Shown::kCube;
-        view.label[at] = -1;
+      canvas_.Draw(corner(0), corner(1), corner(2), [&](std::size_t at, const auto&) {
+        view_.shown[at] = Shown::kCube;
+        view_.label[at] = -1;
       });
     }
   }
-  for (int row = 0; row < height; ++row) {
-    for (int col = 0; col < width; ++col) {
-      const std::size_t at = static_cast<std::size_t>(row * width + col);
-      view.bag_px += view.mask[at];
-      view.cube_px += view.shown[at] == Shown::kCube;
-      if (view.label[at] < 0) continue;
-      ++view.label_px[view.label[at]];
-      view.label_centre_px[view.label[at]] += Eigen::Vector2d(col, row);
+
+  /// The view with its sums. Call once, at the end.
+  TopView Finish() {
+    for (int row = 0; row < height_; ++row) {
+      for (int col = 0; col < width_; ++col) {
+        const std::size_t at = static_cast<std::size_t>(row * width_ + col);
+        view_.bag_px += view_.mask[at];
+        view_.cube_px += view_.shown[at] == Shown::kCube;
+        if (view_.label[at] < 0) continue;
+        ++view_.label_px[view_.label[at]];
+        view_.label_centre_px[view_.label[at]] += Eigen::Vector2d(col, row);
+      }
+    }
+    for (std::size_t k = 0; k < labels_.size(); ++k) {
+      if (view_.label_px[k] > 0) view_.label_centre_px[k] /= view_.label_px[k];
+    }
+    return std::move(view_);
+  }
+
+  const Canvas& canvas() const { return canvas_; }
+
+ private:
+  Canvas canvas_;
+  const std::vector<BagLabel>& labels_;
+  int width_, height_;
+  TopView view_;
+};
+
+}  // namespace
+
+TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<BagLabel>& labels,
+                  const CameraModel& camera, const std::array<int, 4>& roi, const TriMesh* cube_W) {
+  Painter painter(labels, camera, roi);
+  std::vector<Vec3f> pixel(cloth_W.positions().size());
+  for (const bool along_normals : {true, false}) {
+    const float offset = along_normals ? cloth_W.half_thickness_m() : -cloth_W.half_thickness_m();
+    for (std::size_t i = 0; i < pixel.size(); ++i) {
+      const Vec3f p = cloth_W.positions()[i] + offset * cloth_W.normals()[i];
+      pixel[i] = painter.canvas().Project(p.cast<double>());
+    }
+    for (const auto& n : cloth_W.triangles()) {
+      const std::array<Vec3f, 3> p = {pixel[n[0]], pixel[n[1]], pixel[n[2]]};
+      // Each side of the shell is seen from its own side only.
+      const bool counter_clockwise = Canvas::TwiceArea(p[0], p[1], p[2]) < 0;
+      if (counter_clockwise != along_normals) continue;
+      const auto& uv = cloth_W.uv_layer();
+      const int layer = static_cast<int>(uv[n[0]].z());
+      painter.Cloth(p, {uv[n[0]].head<2>(), uv[n[1]].head<2>(), uv[n[2]].head<2>()}, layer,
+                    SideOf(layer, counter_clockwise));
     }
   }
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    if (view.label_px[k] > 0) view.label_centre_px[k] /= view.label_px[k];
+  if (cube_W != nullptr) painter.Cube(*cube_W);
+  return painter.Finish();
+}
+
+TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
+                  const CameraModel& camera, const std::array<int, 4>& roi, const TriMesh* cube_W) {
+  Painter painter(labels, camera, roi);
+  std::vector<Vec3f> pixel(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    pixel[i] = painter.canvas().Project(x[i].cast<double>());
   }
-  return view;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& n = mesh.triangles[t];
+    const std::array<Vec3f, 3> p = {pixel[n[0]], pixel[n[1]], pixel[n[2]]};
+    const int layer = mesh.triangle_layer[t];
+    painter.Cloth(p, {mesh.uv[n[0]], mesh.uv[n[1]], mesh.uv[n[2]]}, layer,
+                  SideOf(layer, Canvas::TwiceArea(p[0], p[1], p[2]) < 0));
+  }
+  if (cube_W != nullptr) painter.Cube(*cube_W);
+  return painter.Finish();
 }
 
 double ClothTopAt(const ClothMesh& mesh, const Vec3Array& x, const Eigen::Vector2d& point) {

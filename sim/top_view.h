@@ -6,6 +6,7 @@
 #include "perception/camera_model.h"
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/cloth_types.h"
+#include "sim/render/cloth_surface.h"
 #include "sim/tri_mesh.h"
 
 namespace gusset {
@@ -23,6 +24,7 @@ std::vector<BagLabel> MakeLabels(const BagConfig& bag);
 enum class Shown : std::uint8_t { kNothing, kOuter0, kOuter1, kInner0, kInner1, kCube };
 
 /// What an ideal camera sees of a bag and the cube: ground truth for labels, starts and tests.
+/// A pixel shows what is at its centre.
 /// Images are row-major over the region looked at.
 struct TopView {
   int bag_px = 0;             ///< Pixels that show the bag, with or without the cube over it.
@@ -35,9 +37,17 @@ struct TopView {
   std::vector<std::int16_t> label;  ///< Index of the label shown; -1: none.
 };
 
-/// Draws the cloth's triangles, and the cube's if there is one, with a depth buffer into the region
-/// `roi` (x0, y0, width, height in pixels).
+/// The cloth as the renderer draws it, and the cube if there is one, in the region `roi` (x0, y0,
+/// width, height in pixels).
+/// @param cloth_W updated to the cloth's shape.
 /// @param cube_W closed, world frame.
+TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<BagLabel>& labels,
+                  const CameraModel& camera, const std::array<int, 4>& roi,
+                  const TriMesh* cube_W = nullptr);
+
+/// The same of the mesh that the simulation steps: flat triangles without thickness. Folds are less
+/// round than in pictures, and slivers of cloth beside them larger or smaller: for what must not
+/// depend on how cloth is drawn.
 TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi,
                   const TriMesh* cube_W = nullptr);

@@ -234,6 +234,7 @@ void ClothSurface::Update(const ClothItem& cloth) {
   for (const Eigen::Vector3f& x : cloth.x) {
     if (!x.allFinite()) throw InputError("cloth to draw: a node is not finite");
   }
+  half_thickness_m_ = std::max(cloth.thickness_m / 2, 1e-6f);  // the sign tells the sides apart
   positions_.resize(uv_layer_.size());
   for (std::size_t i = 0; i < node_of_.size(); ++i) positions_[i] = cloth.x[node_of_[i]];
   const float floor_z = cloth.floor_z_m + cloth.thickness_m / 2;

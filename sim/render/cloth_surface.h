@@ -9,7 +9,12 @@
 
 namespace gusset {
 
-/// A smooth surface through a cloth's nodes, for drawing.
+/// How often the surface that cameras see is refined: by the renderer, and where ground truth says
+/// what it shows.
+inline constexpr int kDrawnLevels = 1;
+
+/// A smooth surface through a cloth's nodes: the cloth as cameras see it. Plain geometry, no
+/// OpenGL. What is seen is a shell, one side half a thickness along the normals, one against them.
 ///
 /// Each layer is refined by the modified butterfly scheme (Zorin, Schroeder, Sweldens 1996), which
 /// keeps every node where it is, keeps flat cloth flat and is linear, so that the stencils are
@@ -28,6 +33,8 @@ class ClothSurface {
   const std::vector<Eigen::Vector3f>& positions() const { return positions_; }
   /// Unit length (or zero where a patch has collapsed); along the triangles' winding.
   const std::vector<Eigen::Vector3f>& normals() const { return normals_; }
+  /// How far either side lies from the positions, m. Above 0, even if the cloth has no thickness.
+  float half_thickness_m() const { return half_thickness_m_; }
   /// Cloth coordinates (m) and layer of each vertex.
   const std::vector<Eigen::Vector3f>& uv_layer() const { return uv_layer_; }
   const std::vector<std::array<unsigned, 3>>& triangles() const { return triangles_; }
@@ -52,6 +59,7 @@ class ClothSurface {
   std::vector<Tap> taps_;
   std::vector<std::array<unsigned, 3>> triangles_;
   std::vector<Eigen::Vector3f> uv_layer_, positions_, normals_;
+  float half_thickness_m_ = 0;
 };
 
 }  // namespace gusset

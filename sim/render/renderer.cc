@@ -31,7 +31,6 @@ constexpr double kBlurTexels = 2.0;
 constexpr float kFlat_m = 0.001f;  // what reaches no higher is the table
 
 constexpr int kClothTexturePixels = 384;
-constexpr int kClothLevels = 1;
 constexpr double kCrease_deg = 40;
 constexpr std::size_t kMaxCachedMeshes = 256;
 
@@ -322,7 +321,7 @@ const MeshOnCard& Renderer::Impl::Mesh(const TriMesh& mesh) {
 void Renderer::Impl::UpdateCloth(const ClothItem& item) {
   gl.BindVertexArray(cloth.vertex_array);
   if (!cloth.surface || !cloth.surface->Fits(item)) {
-    cloth.surface.emplace(item, kClothLevels);
+    cloth.surface.emplace(item, kDrawnLevels);
     const ClothSurface& surface = *cloth.surface;
     gl.BindBuffer(GL_ARRAY_BUFFER, cloth.uv_layer);
     gl.BufferData(GL_ARRAY_BUFFER, surface.uv_layer().size() * sizeof(Eigen::Vector3f),
@@ -486,7 +485,7 @@ void Renderer::Impl::DrawCloth(const SceneView& scene, const Eigen::Matrix4f& cl
   const auto indices = static_cast<GLsizei>(3 * cloth.surface->triangles().size());
   // A shell: one side along the normals, one against them. Its rim, one thickness wide, is less
   // than a pixel and stays open.
-  const float half = std::max(scene.cloth.thickness_m / 2, 1e-6f);  // its sign must survive
+  const float half = cloth.surface->half_thickness_m();
   const std::pair<GLenum, float> sides[] = {{GL_CW, half}, {GL_CCW, -half}};
   for (const auto& [front, offset] : sides) {
     gl.FrontFace(front);

@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
+#include "base/random.h"
+#include "sim/render/renderer.h"
 #include "sim/render/statics.h"
+#include "tests/sim/render_bag.h"
 
 namespace gusset {
 namespace {
@@ -111,6 +116,144 @@ TEST(TopView, TheCubeShowsWhereNoClothIsAboveIt) {
   for (Eigen::Vector3f& p : cube.vertices) p.z() -= 0.2f;
   EXPECT_EQ(LookAt(bag, x, &cube).cube_px, 0);
 }
+
+TopView LookAtDrawn(const ClothItem& cloth, const std::vector<BagLabel>& labels,
+                    const CameraModel& camera = kCamera, const TriMesh* cube_W = nullptr) {
+  ClothSurface surface(cloth, kDrawnLevels);
+  surface.Update(cloth);
+  return LookAtBag(surface, labels, camera, kFrame, cube_W);
+}
+
+TEST(TopView, AFlatBagIsAsLargeAsItsMesh) {
+  const BagConfig bag;
+  ClothItem cloth = FlatBag();
+  // Turned, so that edges cross rows of pixel centres all along and none jumps as a whole.
+  const Eigen::Matrix3f turn = Eigen::AngleAxisf(0.4f, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+  for (Eigen::Vector3f& p : cloth.x) p = turn * p;
+  const TopView flat = LookAt(bag, Vec3Array(cloth.x.begin(), cloth.x.end()));
+  const TopView drawn = LookAtDrawn(cloth, MakeLabels(bag));
+  // The shell's upper side is half a thickness nearer: 0.14 % of the area. The rest is rounding.
+  const double nearer = 1 + 2 * 0.5 * bag.thickness_m / kCamera.X_WC.translation().z();
+  EXPECT_NEAR(drawn.bag_px, nearer * flat.bag_px, 0.001 * flat.bag_px);
+  for (std::size_t k = 0; k < flat.label_px.size(); ++k) {
+    EXPECT_NEAR(drawn.label_px[k], flat.label_px[k], 2) << "label " << k;
+  }
+}
+
+// A bag rolled up round a cylinder along x, whose labels go over the side that a camera sees last.
+//
+//         __--A--__        A: the top. Labels reach from the angle `from` to beyond 90 degrees:
+//       /     |  / \       of each shows, from above, width * radius * (1 - sin from).
+//      |      | /   L
+//      |      +-----L      The mesh's chords are 39 degrees long (20.6 mm), so the side falls short
+//       \           /      of the radius by up to 1.7 mm, which is a third of what shows.
+//         -_____--
+class RolledLabels : public testing::TestWithParam<double> {};
+
+TEST_P(RolledLabels, ShowWhatTheRoundSurfaceShows) {
+  constexpr double kRadius_m = 0.03, kFrom = 55 * std::numbers::pi / 180;
+  const double row_m = 0.35 / 17;
+  // So high above that perspective is 0.3 %, and 1154 px/m: a label shows some 80 px^2.
+  const CameraModel camera = OverheadCamera({12300, 12300, 320, 240, 640, 480}, 10.66);
+  const double px_per_m = 12300 / 10.56;
+  ClothItem cloth = FlatBag();
+  const double v0 = (2 + GetParam()) * row_m;  // which part of a chord the labels begin at
+  for (std::size_t n = 0; n < cloth.x.size(); ++n) {
+    const double angle = kFrom + (cloth.uv[n].y() - v0) / kRadius_m;
+    cloth.x[n].y() = static_cast<float>(kRadius_m * std::sin(angle));
+    cloth.x[n].z() = static_cast<float>(0.1 + kRadius_m * std::cos(angle));
+  }
+  const Eigen::Matrix3f turn = Eigen::AngleAxisf(0.4f, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+  for (Eigen::Vector3f& p : cloth.x) p = turn * p;
+  std::vector<BagLabel> labels;
+  for (int k = 0; k < 9; ++k) {
+    const double u = 0.03 * (k + 1);
+    BagLabel label;
+    label.u0 = static_cast<float>(u - 0.006), label.u1 = static_cast<float>(u + 0.006);
+    label.v0 = static_cast<float>(v0), label.v1 = static_cast<float>(v0 + 0.02);
+    labels.push_back(label);
+    label.layer = 1;  // both layers lie in the same place: either may show
+    labels.push_back(label);
+  }
+  const auto shown_px = [&](const TopView& view) {
+    return std::accumulate(view.label_px.begin(), view.label_px.end(), 0.0) / 9;
+  };
+  const double per_radius_px = 0.012 * (1 - std::sin(kFrom)) * px_per_m * px_per_m;
+  const double round_px = per_radius_px * kRadius_m;
+  const double shell_px = per_radius_px * (kRadius_m + 0.5 * cloth.thickness_m);
+  const double drawn = shown_px(LookAtDrawn(cloth, labels, camera)) / shell_px - 1;
+  const double flat =
+      shown_px(LookAtBag(MakeBagMesh(BagConfig()), Vec3Array(cloth.x.begin(), cloth.x.end()),
+                         labels, camera, kFrame)) /
+          round_px -
+      1;
+  std::printf("phase %g: drawn %+.3f flat %+.3f\n", GetParam(), drawn, flat);
+  EXPECT_LT(std::abs(drawn), 0.05);
+  EXPECT_LT(std::abs(drawn), std::abs(flat));
+}
+INSTANTIATE_TEST_SUITE_P(PhasesOfTheMesh, RolledLabels, testing::Values(0.0, 0.2, 0.4, 0.6, 0.8));
+
+/// A heap of folds, another one with every seed.
+ClothItem CrumpledBag(std::uint64_t seed) {
+  Rng rng(seed);
+  ClothItem bag = FlatBag();
+  std::array<std::array<double, 4>, 12> waves;  // wave number in x and y, phase, share
+  for (std::size_t k = 0; k < waves.size(); ++k) {
+    const double per_m = rng.Uniform(20, 80), angle = rng.Uniform(0, 2 * std::numbers::pi);
+    waves[k] = {per_m * std::cos(angle), per_m * std::sin(angle),
+                rng.Uniform(0, 2 * std::numbers::pi), 20 / per_m};
+  }
+  for (Eigen::Vector3f& p : bag.x) {
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < waves.size(); ++k) {
+      const auto& [kx, ky, phase, share] = waves[k];
+      // The layers part a little: seams stay together, as their nodes are one height.
+      shift[static_cast<int>(k % 3)] += share * std::sin(kx * p.x() + ky * p.y() + phase);
+    }
+    p = {static_cast<float>(0.6 * p.x() + 0.012 * shift.x()),
+         static_cast<float>(0.6 * p.y() + 0.012 * shift.y()),
+         static_cast<float>(0.03 + 0.010 * shift.z() + 6 * p.z())};
+  }
+  return bag;
+}
+
+// Area of one label in a picture, px: drawn green on red cloth in even light, a pixel counts by its
+// share of green. The printed label's edges are soft, so that whole pixels would lose its corners.
+double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const BagLabel& label) {
+  SceneView scene;
+  scene.cloth = cloth;
+  scene.cloth.rgb = {0.8f, 0, 0};
+  scene.cloth.label_rgb = {0, 0.8f, 0};
+  scene.cloth.labels = {{label.u0, label.u1, label.v0, label.v1, label.layer}};
+  scene.light.contrast = scene.light.shadow = scene.light.uneven = 0;
+  double area = 0;
+  for (const cv::Vec3b& bgr : cv::Mat_<cv::Vec3b>(renderer.Render(scene, kCamera).color)) {
+    const bool table = bgr[0] > 20;  // neither green nor red has any blue
+    if (!table) area += bgr[1] / (1.0 * bgr[1] + bgr[2]);
+  }
+  return area;
+}
+
+class CrumpledBags : public testing::TestWithParam<int> {};
+
+TEST_P(CrumpledBags, ShowOfEachLabelWhatItsPictureShows) {
+  const ClothItem cloth = CrumpledBag(static_cast<std::uint64_t>(GetParam()));
+  const std::vector<BagLabel> labels = MakeLabels(BagConfig());
+  const TopView drawn = LookAtDrawn(cloth, labels);
+  const TopView flat = LookAt(BagConfig(), Vec3Array(cloth.x.begin(), cloth.x.end()));
+  Renderer renderer;
+  double off_drawn = 0, off_flat = 0;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const double picture = AreaInPicture(renderer, cloth, labels[k]);
+    std::printf("seed %d label %zu: picture %.1f drawn %d flat %d\n", GetParam(), k, picture,
+                drawn.label_px[k], flat.label_px[k]);
+    EXPECT_NEAR(drawn.label_px[k], picture, 4) << "label " << k;
+    off_drawn += std::abs(drawn.label_px[k] - picture);
+    off_flat += std::abs(flat.label_px[k] - picture);
+  }
+  EXPECT_LT(3 * off_drawn, off_flat);
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, CrumpledBags, testing::Range(1, 7));
 
 }  // namespace
 }  // namespace gusset

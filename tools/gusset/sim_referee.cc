@@ -52,7 +52,6 @@ int SimReferee::LayersHeld() {
 
 FrameTruth SimReferee::Describe() {
   const World& world = scene_.world();
-  const ClothState& cloth = world.cloth().state();
   FrameTruth frame;
   Truth& truth = frame.truth;
   truth.layers_held = LayersHeld();
@@ -67,7 +66,10 @@ FrameTruth SimReferee::Describe() {
   const Pinhole& pinhole = scene_.model().pinhole;
   TriMesh cube = BoxMesh(Eigen::Vector3d::Constant(scene_.config().world.cube_side_m));
   for (Eigen::Vector3f& p : cube.vertices) p = (X_WCube * p.cast<double>()).cast<float>();
-  const TopView view = LookAtBag(world.cloth().mesh(), cloth.x, scene_.labels(), scene_.model(),
+  const ClothItem cloth = scene_.DrawnCloth();
+  if (!drawn_ || !drawn_->Fits(cloth)) drawn_.emplace(cloth, kDrawnLevels);
+  drawn_->Update(cloth);
+  const TopView view = LookAtBag(*drawn_, scene_.labels(), scene_.model(),
                                  {0, 0, pinhole.width, pinhole.height}, &cube);
   const cv::Rect roi(perception_.roi_x, perception_.roi_y, perception_.roi_side,
                      perception_.roi_side);
