@@ -117,109 +117,145 @@ TEST(TopView, TheCubeShowsWhereNoClothIsAboveIt) {
   EXPECT_EQ(LookAt(bag, x, &cube).cube_px, 0);
 }
 
+// As many pixels again in each direction, and three times: counts of pixels are then sharper.
+const CameraModel kTwice = OverheadCamera({1230, 1230, 320, 240, 640, 480}, 1.066);
+const CameraModel kThrice = OverheadCamera({1845, 1845, 320, 240, 640, 480}, 1.066);
+
 TopView LookAtDrawn(const ClothItem& cloth, const std::vector<BagLabel>& labels,
-                    const CameraModel& camera = kCamera, const TriMesh* cube_W = nullptr) {
+                    const CameraModel& camera) {
   ClothSurface surface(cloth, kDrawnLevels);
   surface.Update(cloth);
-  return LookAtBag(surface, labels, camera, kFrame, cube_W);
+  return LookAtBag(surface, labels, camera, kFrame);
 }
 
-TEST(TopView, AFlatBagIsAsLargeAsItsMesh) {
-  const BagConfig bag;
-  ClothItem cloth = FlatBag();
-  // Turned, so that edges cross rows of pixel centres all along and none jumps as a whole.
-  const Eigen::Matrix3f turn = Eigen::AngleAxisf(0.4f, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+TopView LookAtFlat(const ClothItem& cloth, const std::vector<BagLabel>& labels,
+                   const CameraModel& camera) {
+  return LookAtBag(MakeBagMesh(BagConfig()), Vec3Array(cloth.x.begin(), cloth.x.end()), labels,
+                   camera, kFrame);
+}
+
+void Turn(ClothItem& cloth, float angle) {
+  const Eigen::Matrix3f turn =
+      Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitZ()).toRotationMatrix();
   for (Eigen::Vector3f& p : cloth.x) p = turn * p;
-  const TopView flat = LookAt(bag, Vec3Array(cloth.x.begin(), cloth.x.end()));
-  const TopView drawn = LookAtDrawn(cloth, MakeLabels(bag));
+}
+
+TEST(TopView, AFlatBagIsAsLargeDrawnAsItsMesh) {
+  ClothItem cloth = FlatBag();
+  Turn(cloth, 0.2f);  // edges then cross rows of pixel centres all along, and none jumps as a whole
+  const std::vector<BagLabel> labels = MakeLabels(BagConfig());
+  const TopView flat = LookAtFlat(cloth, labels, kTwice);
+  const TopView drawn = LookAtDrawn(cloth, labels, kTwice);
   // The shell's upper side is half a thickness nearer: 0.14 % of the area. The rest is rounding.
-  const double nearer = 1 + 2 * 0.5 * bag.thickness_m / kCamera.X_WC.translation().z();
-  EXPECT_NEAR(drawn.bag_px, nearer * flat.bag_px, 0.001 * flat.bag_px);
-  for (std::size_t k = 0; k < flat.label_px.size(); ++k) {
-    EXPECT_NEAR(drawn.label_px[k], flat.label_px[k], 2) << "label " << k;
+  const double nearer = 1 + cloth.thickness_m / kTwice.X_WC.translation().z();
+  EXPECT_NEAR(drawn.bag_px, nearer * flat.bag_px, 0.0005 * flat.bag_px);
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    // Between nodes the drawn surface shifts by up to 2 mm along the cloth, where nodes have other
+    // than six neighbours: labels are up to 6 % larger so.
+    EXPECT_NEAR(drawn.label_px[k], nearer * flat.label_px[k], 0.07 * flat.label_px[k])
+        << "label " << k;
   }
 }
 
-// A bag rolled up round a cylinder along x, whose labels go over the side that a camera sees last.
+// Cloth bent round a cylinder along x, with labels that go over the side that a camera sees last.
 //
-//         __--A--__        A: the top. Labels reach from the angle `from` to beyond 90 degrees:
-//       /     |  / \       of each shows, from above, width * radius * (1 - sin from).
-//      |      | /   L
-//      |      +-----L      The mesh's chords are 39 degrees long (20.6 mm), so the side falls short
-//       \           /      of the radius by up to 1.7 mm, which is a third of what shows.
-//         -_____--
-class RolledLabels : public testing::TestWithParam<double> {};
+//     ------__A__          A: the top. The labels reach from the angle `from` to beyond 90 degrees:
+//             | /  \       from above, width * radius * (1 - sin from) of each shows.
+//             |/    L
+//             +-----L      The mesh's chords are 39 degrees long (20.6 mm), so that its side falls
+//                  /       short of the radius by up to 1.7 mm of the 5.4 mm that show.
+//                _/
+struct Shares {
+  double drawn, flat;  ///< Of what a round surface shows.
+};
 
-TEST_P(RolledLabels, ShowWhatTheRoundSurfaceShows) {
+// The labels begin at the share `phase` of a chord.
+Shares ShownOfBentLabels(double phase) {
   constexpr double kRadius_m = 0.03, kFrom = 55 * std::numbers::pi / 180;
-  const double row_m = 0.35 / 17;
-  // So high above that perspective is 0.3 %, and 1154 px/m: a label shows some 80 px^2.
+  constexpr double kFirst = -60 * std::numbers::pi / 180, kLast = 170 * std::numbers::pi / 180;
+  // So high above that perspective is 0.3 %, and 1165 px/m: a label shows some 90 px^2.
   const CameraModel camera = OverheadCamera({12300, 12300, 320, 240, 640, 480}, 10.66);
-  const double px_per_m = 12300 / 10.56;
+  const double px_per_m = 12300 / (10.66 - 0.1);
+  const double row_m = 0.35 / 17;
+  const double v0 = (2 + phase) * row_m;
   ClothItem cloth = FlatBag();
-  const double v0 = (2 + GetParam()) * row_m;  // which part of a chord the labels begin at
   for (std::size_t n = 0; n < cloth.x.size(); ++n) {
     const double angle = kFrom + (cloth.uv[n].y() - v0) / kRadius_m;
-    cloth.x[n].y() = static_cast<float>(kRadius_m * std::sin(angle));
-    cloth.x[n].z() = static_cast<float>(0.1 + kRadius_m * std::cos(angle));
+    const double bent = std::clamp(angle, kFirst, kLast);
+    const double on = (angle - bent) * kRadius_m;  // straight on beyond the bend
+    cloth.x[n].y() = static_cast<float>(kRadius_m * std::sin(bent) + on * std::cos(bent));
+    cloth.x[n].z() = static_cast<float>(0.1 + kRadius_m * std::cos(bent) - on * std::sin(bent));
   }
-  const Eigen::Matrix3f turn = Eigen::AngleAxisf(0.4f, Eigen::Vector3f::UnitZ()).toRotationMatrix();
-  for (Eigen::Vector3f& p : cloth.x) p = turn * p;
+  Turn(cloth, 0.4f);
   std::vector<BagLabel> labels;
   for (int k = 0; k < 9; ++k) {
-    const double u = 0.03 * (k + 1);
     BagLabel label;
-    label.u0 = static_cast<float>(u - 0.006), label.u1 = static_cast<float>(u + 0.006);
-    label.v0 = static_cast<float>(v0), label.v1 = static_cast<float>(v0 + 0.02);
+    label.u0 = static_cast<float>(0.03 * (k + 1) - 0.006);
+    label.u1 = static_cast<float>(0.03 * (k + 1) + 0.006);
+    label.v0 = static_cast<float>(v0);
+    label.v1 = static_cast<float>(v0 + 0.03);
     labels.push_back(label);
-    label.layer = 1;  // both layers lie in the same place: either may show
+    label.layer = 1;  // the layers lie in the same place: either may show
     labels.push_back(label);
   }
   const auto shown_px = [&](const TopView& view) {
     return std::accumulate(view.label_px.begin(), view.label_px.end(), 0.0) / 9;
   };
   const double per_radius_px = 0.012 * (1 - std::sin(kFrom)) * px_per_m * px_per_m;
-  const double round_px = per_radius_px * kRadius_m;
-  const double shell_px = per_radius_px * (kRadius_m + 0.5 * cloth.thickness_m);
-  const double drawn = shown_px(LookAtDrawn(cloth, labels, camera)) / shell_px - 1;
-  const double flat =
-      shown_px(LookAtBag(MakeBagMesh(BagConfig()), Vec3Array(cloth.x.begin(), cloth.x.end()),
-                         labels, camera, kFrame)) /
-          round_px -
-      1;
-  std::printf("phase %g: drawn %+.3f flat %+.3f\n", GetParam(), drawn, flat);
-  EXPECT_LT(std::abs(drawn), 0.05);
-  EXPECT_LT(std::abs(drawn), std::abs(flat));
+  const double shell_m = kRadius_m + 0.5 * cloth.thickness_m;
+  Shares shares;
+  shares.drawn = shown_px(LookAtDrawn(cloth, labels, camera)) / (per_radius_px * shell_m);
+  shares.flat = shown_px(LookAtFlat(cloth, labels, camera)) / (per_radius_px * kRadius_m);
+  return shares;
 }
-INSTANTIATE_TEST_SUITE_P(PhasesOfTheMesh, RolledLabels, testing::Values(0.0, 0.2, 0.4, 0.6, 0.8));
 
-/// A heap of folds, another one with every seed.
-ClothItem CrumpledBag(std::uint64_t seed) {
-  Rng rng(seed);
-  ClothItem bag = FlatBag();
-  std::array<std::array<double, 4>, 12> waves;  // wave number in x and y, phase, share
-  for (std::size_t k = 0; k < waves.size(); ++k) {
-    const double per_m = rng.Uniform(20, 80), angle = rng.Uniform(0, 2 * std::numbers::pi);
-    waves[k] = {per_m * std::cos(angle), per_m * std::sin(angle),
-                rng.Uniform(0, 2 * std::numbers::pi), 20 / per_m};
+TEST(TopView, BentLabelsShowWhatARoundSurfaceShows) {
+  double off_drawn = 0, off_flat = 0;
+  for (const double phase : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    const Shares shares = ShownOfBentLabels(phase);
+    // A third of a millimetre of 5.4: the same shift along the cloth.
+    EXPECT_NEAR(shares.drawn, 1, 0.06) << "phase " << phase;
+    off_drawn += (shares.drawn - 1) * (shares.drawn - 1);
+    off_flat += (shares.flat - 1) * (shares.flat - 1);
   }
+  EXPECT_LT(std::sqrt(off_drawn), 0.5 * std::sqrt(off_flat));
+}
+
+/// A heap of folds three to six nodes wide, another one with every seed.
+ClothItem Crumpled(std::uint64_t seed) {
+  struct Wave {
+    Eigen::Vector2d per_m;
+    double phase, amplitude_m;
+  };
+  Rng rng(seed);
+  std::array<Wave, 9> waves;
+  for (Wave& wave : waves) {
+    const double per_m = rng.Uniform(50, 100), angle = rng.Uniform(0, 2 * std::numbers::pi);
+    wave = {{per_m * std::cos(angle), per_m * std::sin(angle)},
+            rng.Uniform(0, 2 * std::numbers::pi),
+            0.5 / per_m};
+  }
+  ClothItem bag = FlatBag();
   for (Eigen::Vector3f& p : bag.x) {
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < waves.size(); ++k) {
-      const auto& [kx, ky, phase, share] = waves[k];
-      // The layers part a little: seams stay together, as their nodes are one height.
-      shift[static_cast<int>(k % 3)] += share * std::sin(kx * p.x() + ky * p.y() + phase);
+      const Wave& wave = waves[k];
+      shift[static_cast<int>(k % 3)] +=
+          wave.amplitude_m * std::sin(wave.per_m.dot(p.head<2>().cast<double>()) + wave.phase);
     }
-    p = {static_cast<float>(0.6 * p.x() + 0.012 * shift.x()),
-         static_cast<float>(0.6 * p.y() + 0.012 * shift.y()),
-         static_cast<float>(0.03 + 0.010 * shift.z() + 6 * p.z())};
+    // The layers lie apart, and the rim of the lower one looks out.
+    const double lower = p.z() < 0.0016f ? 0.012 : 0;
+    p = {static_cast<float>(0.6 * p.x() + shift.x()),
+         static_cast<float>(0.6 * p.y() + shift.y() - lower),
+         static_cast<float>(0.05 + shift.z() + 6 * p.z())};
   }
   return bag;
 }
 
 // Area of one label in a picture, px: drawn green on red cloth in even light, a pixel counts by its
 // share of green. The printed label's edges are soft, so that whole pixels would lose its corners.
-double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const BagLabel& label) {
+double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const BagLabel& label,
+                     const CameraModel& camera) {
   SceneView scene;
   scene.cloth = cloth;
   scene.cloth.rgb = {0.8f, 0, 0};
@@ -227,9 +263,9 @@ double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const BagLabel&
   scene.cloth.labels = {{label.u0, label.u1, label.v0, label.v1, label.layer}};
   scene.light.contrast = scene.light.shadow = scene.light.uneven = 0;
   double area = 0;
-  for (const cv::Vec3b& bgr : cv::Mat_<cv::Vec3b>(renderer.Render(scene, kCamera).color)) {
-    const bool table = bgr[0] > 20;  // neither green nor red has any blue
-    if (!table) area += bgr[1] / (1.0 * bgr[1] + bgr[2]);
+  for (const cv::Vec3b& bgr : cv::Mat_<cv::Vec3b>(renderer.Render(scene, camera).color)) {
+    const bool cloth_there = bgr[0] < 20;  // neither green nor red has any blue
+    if (cloth_there) area += bgr[1] / (1.0 * bgr[1] + bgr[2]);
   }
   return area;
 }
@@ -237,23 +273,22 @@ double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const BagLabel&
 class CrumpledBags : public testing::TestWithParam<int> {};
 
 TEST_P(CrumpledBags, ShowOfEachLabelWhatItsPictureShows) {
-  const ClothItem cloth = CrumpledBag(static_cast<std::uint64_t>(GetParam()));
+  const ClothItem cloth = Crumpled(static_cast<std::uint64_t>(GetParam()));
   const std::vector<BagLabel> labels = MakeLabels(BagConfig());
-  const TopView drawn = LookAtDrawn(cloth, labels);
-  const TopView flat = LookAt(BagConfig(), Vec3Array(cloth.x.begin(), cloth.x.end()));
+  const TopView drawn = LookAtDrawn(cloth, labels, kThrice);
+  const TopView flat = LookAtFlat(cloth, labels, kThrice);
   Renderer renderer;
   double off_drawn = 0, off_flat = 0;
   for (std::size_t k = 0; k < labels.size(); ++k) {
-    const double picture = AreaInPicture(renderer, cloth, labels[k]);
-    std::printf("seed %d label %zu: picture %.1f drawn %d flat %d\n", GetParam(), k, picture,
-                drawn.label_px[k], flat.label_px[k]);
-    EXPECT_NEAR(drawn.label_px[k], picture, 4) << "label " << k;
+    const double picture = AreaInPicture(renderer, cloth, labels[k], kThrice);
+    // Half a pixel of the camera's own, and 3 %: labels are printed a little unevenly.
+    EXPECT_NEAR(drawn.label_px[k], picture, 5 + 0.03 * picture) << "label " << k;
     off_drawn += std::abs(drawn.label_px[k] - picture);
     off_flat += std::abs(flat.label_px[k] - picture);
   }
-  EXPECT_LT(3 * off_drawn, off_flat);
+  EXPECT_LT(5 * off_drawn, off_flat) << "flat triangles would be little worse";
 }
-INSTANTIATE_TEST_SUITE_P(Seeds, CrumpledBags, testing::Range(1, 7));
+INSTANTIATE_TEST_SUITE_P(Seeds, CrumpledBags, testing::Range(1, 5));
 
 }  // namespace
 }  // namespace gusset
