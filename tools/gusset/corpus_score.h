@@ -50,7 +50,16 @@ class CorpusScore {
  private:
   static constexpr int kStates = 6;
   /// What pose points are meant for, by state.
-  enum PointKind { kS0Grasp, kS0Edge, kS1Grasp, kS1Target, kS2Place, kS2Room, kS3Grasp, kPointKinds };
+  enum PointKind {
+    kS0Grasp,
+    kS0Edge,
+    kS1Grasp,
+    kS1Target,
+    kS2Place,
+    kS2Room,
+    kS3Grasp,
+    kPointKinds
+  };
   struct Share {
     long right = 0, of = 0;
     double value() const {
