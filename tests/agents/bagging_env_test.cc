@@ -46,6 +46,12 @@ class BaggingEnvTest : public FolderTest {
     return path;
   }
 
+  double MetresPerPixelAtMouth() const {
+    const CameraModel& camera = rig_.model();
+    const cv::Point2d px = env_.before().opening_centre.px;
+    return (camera.OntoPlane(px + cv::Point2d(1, 0), 0) - camera.OntoPlane(px, 0)).norm();
+  }
+
   FakeRig rig_;
   BaggingConfig config_;
   BaggingEnv env_{rig_, rig_, rig_, rig_, config_};
@@ -384,11 +390,7 @@ TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
 
 TEST_F(BaggingEnvTest, PickPlaceWidensANarrowMouthAndLeavesTheCubeWhereItIs) {
   (void)env_.Begin("2", 5);
-  const CameraModel& camera = rig_.model();
-  const cv::Point2d px = env_.before().opening_centre.px;
-  const double m_per_px =
-      (camera.OntoPlane(px + cv::Point2d(1, 0), 0) - camera.OntoPlane(px, 0)).norm();
-  const double radius_m = env_.before().width->radius_px * m_per_px;
+  const double radius_m = env_.before().width->radius_px * MetresPerPixelAtMouth();
   config_.pick_place.slit_m = 0;
   for (const double room : {0.99 * radius_m, 1.01 * radius_m}) {
     config_.pick_place.room_m = room;
@@ -406,11 +408,7 @@ TEST_F(BaggingEnvTest, PickPlaceWidensANarrowMouthAndLeavesTheCubeWhereItIs) {
 
 TEST_F(BaggingEnvTest, PickPlaceLaysABagWithAShortNarrowMouthFlatByItsNearLip) {
   (void)env_.Begin("2", 5);
-  const CameraModel& camera = rig_.model();
-  const cv::Point2d px = env_.before().opening_centre.px;
-  const double m_per_px =
-      (camera.OntoPlane(px + cv::Point2d(1, 0), 0) - camera.OntoPlane(px, 0)).norm();
-  const double length_m = env_.before().width->length_px * m_per_px;
+  const double length_m = env_.before().width->length_px * MetresPerPixelAtMouth();
   config_.pick_place.room_m = 0.1;
   for (const double slit : {0.99 * length_m, 1.01 * length_m}) {
     config_.pick_place.slit_m = slit;

@@ -124,6 +124,7 @@ void CorpusScore::AddPoints(const Observation& seen, const cv::Mat& surface) {
     }
   };
   const auto on_bag = [](Shown shown, double) { return IsCloth(shown); };
+  const auto in_mouth = [](Shown shown, double) { return IsInside(shown); };
   switch (seen.state) {
     case State::kFolded:
       count(kS0Grasp, seen.grasp_points, on_bag);
@@ -135,10 +136,10 @@ void CorpusScore::AddPoints(const Observation& seen, const cv::Mat& surface) {
       count(kS1Target, seen.place_points, on_bag);
       break;
     case State::kOpen:
-      for (const PointKind kind : {kS2Place, kS2Room}) {
-        // Into a narrower mouth nothing is placed.
-        if (kind == kS2Room && (!seen.width || seen.width->radius_px < kRoom_px)) continue;
-        count(kind, seen.place_points, [](Shown shown, double) { return IsInside(shown); });
+      count(kS2Place, seen.place_points, in_mouth);
+      // Into a narrower mouth nothing is placed.
+      if (seen.width && seen.width->radius_px >= kRoom_px) {
+        count(kS2Room, seen.place_points, in_mouth);
       }
       break;
     case State::kFilled:
