@@ -180,7 +180,7 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       const Outline mouth = FitOutline(Hull(observation.labels));
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
-      const std::vector<cv::Point2d> lips = MouthOutline(observation.labels);
+      const std::vector<cv::Point2d> lips = WithoutGap(MouthOutline(observation.labels));
       const MouthDepth depth = DepthWithin(lips, view.roi);
       if (!depth.part.empty()) {
         SnapOnto(RoomWithin(depth, config.place_inset_px), depth.part.tl(), 0, place);

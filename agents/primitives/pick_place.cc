@@ -28,12 +28,12 @@ void Widen(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
             low, motion);
 }
 
-// Lays the bag flat by its near lip, from which it hangs as it is sewn. Which parameter hardly
-// matters there: the middle one.
+// Lays the bag flat by its near lip, from which it hangs as it is sewn.
 void LayFlat(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
              const GraspLiftConfig& lift, const MotionConfig& motion) {
-  GraspLift(tool, mouth.near_W - config.grasp_inset_m * mouth.Outward_W(), mouth.drawn_W, 4, lift,
-            motion);
+  constexpr int kMiddle = 4;  // of GraspLift's parameters; which one hardly matters here
+  GraspLift(tool, mouth.near_W - config.grasp_inset_m * mouth.Outward_W(), mouth.drawn_W, kMiddle,
+            lift, motion);
 }
 
 }  // namespace

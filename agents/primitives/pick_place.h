@@ -51,9 +51,11 @@ struct PickPlaceConfig {
 };
 
 /// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
-/// layer that was drawn back rather than onto it, and lets go.
+/// layer that was drawn back rather than onto it, and lets go. The cube stays where it is if the
+/// mouth is too narrow for it: then a long mouth is widened, and a bag with a short one laid flat.
 /// @param cube_W  centre of the cube. @param yaw_rad  of one of its edges about z.
 /// @param mouth  none if its lips are not seen apart: then the cube comes down at place_W.
+/// @param lift how a bag is laid flat. @param scratch how a mouth is widened.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const GraspLiftConfig& lift,
