@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "perception/bag_body.h"
 #include "perception/color_masks.h"
@@ -180,7 +181,9 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       const Outline mouth = FitOutline(Hull(observation.labels));
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
-      const std::vector<cv::Point2d> lips = WithoutGap(MouthOutline(observation.labels));
+      std::vector<cv::Point2d> lips = MouthOutline(observation.labels);
+      // Without labels, gaps are pieces of hem that were not found.
+      if (config.mouth == "labels") lips = WithoutGap(std::move(lips));
       const MouthDepth depth = DepthWithin(lips, view.roi);
       if (!depth.part.empty()) {
         SnapOnto(RoomWithin(depth, config.place_inset_px), depth.part.tl(), 0, place);
