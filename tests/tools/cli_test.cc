@@ -129,6 +129,12 @@ TEST_F(Cli, BagFilesThatDescribeNoBagAreRefused) {
                 "my.toml:2: thresholds.A_th = 40000 is not below thresholds.A_flat = 34950");
   ExpectRefused(render(bag("[thresholds]\nA_oth = 5000\n")),
                 "my.toml:2: thresholds.A_oth = 5000 is not below thresholds.A_omax = 3900");
+  // Bag 1's limit would have every lighter bag laid down again as empty.
+  ExpectRefused(render(bag("[bag]\narea_density_kg_m2 = 0.1\nflexural_rigidity_Nm = 1e-5\n")),
+                "primitives.close_carry.filled_N = 0.7 is not between 0.21 N, what the bag weighs, "
+                "and 0.60 N");
+  ExpectRefused(render("bag2 --set primitives.close_carry.filled_N=0.15"),
+                "--set: primitives.close_carry.filled_N = 0.15 is not between 0.19 N");
   ExpectRefused(render(bag("[bag]\nthicknes_m = 0.001\n")), "did you mean bag.thickness_m?");
   ExpectRefused(render("bag1") + " --set bag.friction_cube=2",
                 "--set: bag.friction_cube = 2 is not within [0.2, 0.8]");

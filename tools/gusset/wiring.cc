@@ -1,9 +1,12 @@
 #include "tools/gusset/wiring.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <numbers>
 
 #include "agents/bagging_env.h"
 #include "base/random.h"
+#include "sim/cloth/bag_mesh.h"
 #include "sim/sim_scene.h"
 #include "tools/gusset/sim_referee.h"
 
@@ -59,6 +62,21 @@ class SimTestbed : public Testbed {
   SimReferee referee_;
 };
 
+// The carry weighs the bag to tell whether the cube is in it. Another bag's limit would say so of
+// all, or of none.
+void RefuseLimitOfAnotherBag(const ConfigTree& config, double filled_N, const SimConfig& sim) {
+  constexpr double kGravity_m_s2 = 9.81;
+  double bag_kg = 0;
+  for (const float node_kg : MakeBagMesh(sim.bag).mass_kg) bag_kg += node_kg;
+  const double empty_N = kGravity_m_s2 * bag_kg;
+  const double full_N = empty_N + kGravity_m_s2 * sim.world.cube_mass_kg;
+  if (filled_N == 0 || (filled_N > empty_N && filled_N < full_N)) return;
+  config.Refuse("primitives.close_carry.filled_N", filled_N,
+                fmt::format("is not between {:.2f} N, what the bag weighs, and {:.2f} N, what it "
+                            "weighs with the cube in it (0: not weighed)",
+                            empty_N, full_N));
+}
+
 }  // namespace
 
 std::unique_ptr<Testbed> MakeTestbed(ConfigTree& config) {
@@ -74,6 +92,7 @@ std::unique_ptr<Testbed> MakeTestbed(ConfigTree& config) {
     config.Refuse(std::string(section) + ".labels_per_layer", labels,
                   "is not bag.labels_per_layer = " + std::to_string(sim.bag.labels_per_layer));
   }
+  RefuseLimitOfAnotherBag(config, bagging.close_carry.filled_N, sim);
   return std::make_unique<SimTestbed>(sim, bagging.perception, bagging.chosen_thresholds());
 }
 
