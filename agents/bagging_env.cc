@@ -61,7 +61,8 @@ std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
     const double m_per_px = (at(1) - at(0)).norm();
     mouth.width = {seen.width->radius_px * m_per_px,
                    seen.width->length_px * m_per_px,
-                   {seen.width->sides[0].p_W, seen.width->sides[1].p_W}};
+                   {seen.width->sides[0].p_W, seen.width->sides[1].p_W},
+                   seen.width->closed};
   }
   return mouth;
 }

@@ -114,6 +114,13 @@ Value ToValue(const toml::node& node) {
   return numbers;
 }
 
+// 1 and 1.0 are the same.
+bool Same(const Value& a, const Value& b) {
+  const auto* list_a = std::get_if<std::vector<double>>(&a);
+  const auto* list_b = std::get_if<std::vector<double>>(&b);
+  return list_a != nullptr && list_b != nullptr ? *list_a == *list_b : Shown(a) == Shown(b);
+}
+
 // Levenshtein's distance: how many letters to change, add or drop.
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -368,6 +375,17 @@ void ConfigTree::Parse(std::string_view text, std::string_view name) {
   } catch (const toml::parse_error& e) {
     throw InputError(std::string(name) + ":" + std::to_string(e.source().begin.line) + ": " +
                      OneLine(e.description()));
+  }
+}
+
+void ConfigTree::Forget(const std::filesystem::path& file) {
+  ConfigTree other;
+  other.Load(file);
+  for (const auto& [key, entry] : other.impl_->entries) {
+    const auto mine = impl_->entries.find(key);
+    if (mine != impl_->entries.end() && Same(mine->second.value, entry.value)) {
+      impl_->entries.erase(mine);
+    }
   }
 }
 

@@ -46,6 +46,9 @@ class ConfigTree {
   void Load(const std::filesystem::path& file);
   /// As Load, from text; `name` stands for the file in errors.
   void Parse(std::string_view text, std::string_view name);
+  /// Forgets every key that has the value `file` gives it, as if that file had never been read.
+  /// @throws InputError if it cannot be read or parsed.
+  void Forget(const std::filesystem::path& file);
   /// One `--set` argument, `section.key=value` (value as in TOML; a bare word is a string).
   /// @param origin  what errors call the source, if another option stands for the assignment.
   void Set(std::string_view assignment, std::string_view origin = "--set");
@@ -89,7 +92,8 @@ void AppendToml(std::string_view section, Config config, std::string& out) {
   config.Fields(*writer);
 }
 
-/// The folder with bags, robots and scenes: $GUSSET_ASSETS, else the source tree's assets/.
+/// The folder with bags, robots, published results and the report's page: $GUSSET_ASSETS, else the
+/// source tree's assets/.
 /// @throws InputError if it is not a folder.
 std::filesystem::path AssetsFolder();
 

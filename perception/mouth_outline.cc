@@ -78,22 +78,16 @@ std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points) {
   return way;
 }
 
-std::vector<cv::Point2d> WithoutGap(std::vector<cv::Point2d> outline) {
+bool GoesRound(const std::vector<cv::Point2d>& outline) {
   RequirePixels(outline, 0, "outline");
-  if (outline.size() < 3) return outline;
+  if (outline.size() < 4) return true;
   std::vector<double> sides;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     sides.push_back(cv::norm(outline[(i + 1) % outline.size()] - outline[i]));
   }
-  const auto longest = std::ranges::max_element(sides) - sides.begin();
-  const double length = sides[static_cast<std::size_t>(longest)];
+  const double longest = *std::ranges::max_element(sides);
   std::ranges::nth_element(sides, sides.begin() + std::ssize(sides) / 2);
-  if (length <= kLipGap * sides[sides.size() / 2]) return outline;
-
-  std::ranges::rotate(outline, outline.begin() + (longest + 1) % std::ssize(outline));
-  const std::vector<cv::Point2d> back(outline.rbegin() + 1, outline.rend() - 1);
-  outline.insert(outline.end(), back.begin(), back.end());
-  return outline;
+  return longest <= kLipGap * sides[sides.size() / 2];
 }
 
 MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box) {

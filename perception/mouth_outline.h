@@ -16,11 +16,10 @@ namespace gusset {
 /// The result is the same for any order of the points. Fewer than three: as they are.
 std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points);
 
-/// There and back along the lips if they do not go round a mouth: its outline less the side that is
-/// more than kLipGap times as long as the median one, which crosses cloth or table and holds
-/// nothing. So it is where all labels that show lie on one bent lip, as beside a folded corner.
-/// Else the outline.
-std::vector<cv::Point2d> WithoutGap(std::vector<cv::Point2d> outline);
+/// Whether labels go round the mouth: no side of its outline is more than kLipGap times as long as
+/// the median one (of an even number the upper). Else all that show lie on one bent lip, as beside
+/// a folded corner, and the longest side crosses cloth or table. Of fewer than four points: true.
+bool GoesRound(const std::vector<cv::Point2d>& outline);
 
 /// Labels are evenly spaced along a lip, so twice the spacing is a gap of one that is hidden, seen
 /// aslant perhaps. Tuned 2026-11 on 513 frames of s2 with room for the cube: of 388 below it 6 have

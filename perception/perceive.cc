@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <utility>
 
 #include "perception/bag_body.h"
 #include "perception/color_masks.h"
@@ -181,18 +180,19 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       const Outline mouth = FitOutline(Hull(observation.labels));
       observation.opening_corners = mouth.From(SideTowards(mouth, outline.normals[0])).corners;
       place = CellCentres(observation.opening_corners, kZeta);
-      std::vector<cv::Point2d> lips = MouthOutline(observation.labels);
-      // Without labels, gaps are pieces of hem that were not found.
-      if (config.mouth == "labels") lips = WithoutGap(std::move(lips));
+      const std::vector<cv::Point2d> lips = MouthOutline(observation.labels);
       const MouthDepth depth = DepthWithin(lips, view.roi);
       if (!depth.part.empty()) {
         SnapOnto(RoomWithin(depth, config.place_inset_px), depth.part.tl(), 0, place);
       }
       if (const auto width = MeasureWidth(lips, depth)) {
+        // Without labels, gaps are pieces of hem that were not found.
+        const bool closed = config.mouth != "labels" || GoesRound(lips);
         observation.width = Width{
             width->radius_px,
             width->length_px,
-            {Deproject(view, width->sides[0], config), Deproject(view, width->sides[1], config)}};
+            {Deproject(view, width->sides[0], config), Deproject(view, width->sides[1], config)},
+            closed};
       }
       break;
     }

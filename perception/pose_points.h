@@ -30,7 +30,7 @@ std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::P
                                     cv::Point2d centre, const std::vector<cv::Point2d>& points,
                                     double cone_rad, double inset_px, double central_px);
 
-/// Moves each point that is not on the mask to the nearest pixel of it that is at least `inset_px`
+/// Moves each point to the nearest pixel of the mask that is at least `inset_px`
 /// from its edge (of the mask itself, where it is too thin for that). An empty mask moves nothing.
 /// @param mask CV_8UC1; its pixel (0, 0) is at `origin`.
 void SnapOnto(const cv::Mat& mask, cv::Point origin, double inset_px,

@@ -45,16 +45,16 @@ struct Classified {
 /// The state, in place of Eq. 5.2, which leaves gaps. Total: every Evidence has exactly one state,
 /// first match wins:
 ///
-///   bag | cube                                         | areas                         | state
-///   no  | not in ROI                                   |                               | s4
-///   no  | in ROI                                       |                               | s5
-///   yes | in ROI and (in the mouth, or on the bag with |                               | s3
-///       | the mouth not seen)                          |                               |
-///   yes | nowhere in a full frame                      |                               | s3,
-///   hidden yes | elsewhere, or nowhere in a bare ROI          | mouth seen, A_o > A_oth and   | s2
-///       |                                              | A_bag > 0.55 A_flat           |
-///       |                                              | A_bag <= A_th or no mouth     | s0
-///       |                                              | otherwise                     | s1
+///   bag | cube                                   | areas                         | state
+///   no  | not in ROI                             |                               | s4
+///   no  | in ROI                                 |                               | s5
+///   yes | in ROI and (in the mouth, or on the    |                               | s3
+///       | bag with the mouth not seen)           |                               |
+///   yes | nowhere in a full frame                |                               | s3 (hidden)
+///   yes | elsewhere, or nowhere in a bare ROI    | mouth seen, A_o > A_oth and   | s2
+///       |                                        | A_bag > 0.55 A_flat           |
+///       |                                        | A_bag <= A_th or no mouth     | s0
+///       |                                        | otherwise                     | s1
 Classified ClassifyState(const Evidence& evidence, const BagThresholds& thresholds);
 
 }  // namespace gusset

@@ -42,13 +42,17 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const GraspLiftConfig& lift,
                const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  if (mouth && mouth->width && mouth->width->radius_m < config.room_m) {
-    if (mouth->width->length_m < config.slit_m) {
+  if (mouth && mouth->width) {
+    const Mouth::Width& width = *mouth->width;
+    const bool narrow = width.radius_m < config.room_m;
+    if (narrow && width.length_m >= config.slit_m) {
+      tool.Note("mouth widened instead");
+      return Widen(tool, *mouth, config, scratch, motion);
+    }
+    if (narrow || !width.closed) {
       tool.Note("bag laid flat instead");
       return LayFlat(tool, *mouth, config, lift, motion);
     }
-    tool.Note("mouth widened instead");
-    return Widen(tool, *mouth, config, scratch, motion);
   }
   // Never below 5 mm: the fingertips would press on the table.
   const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);

@@ -17,14 +17,15 @@ struct PickPlaceConfig {
   double slit_m = 0.2;            ///< one that is at least so long, two thirds of the rim, by ...
   double widen_m = 0.05;          ///< ... drawing one side so far from the other ...
   double back_deg = 37;           ///< (as far as an opening, if within this of straight back) ...
-  double widen_lift_m = 0.03;     ///< ... so high above the table, ...
+  double widen_lift_m = 0.03;     ///< ... raised by so much, ...
   double grasp_inset_m = 0.008;   ///< ... grasped so far from its edge. Of a shorter one the rim is
                                   ///< folded: the bag is laid flat, to be opened anew.
   double below_centre_m = 0.006;  ///< Fingertips this far below the cube's centre.
   double held_opening_m = 0.015;  ///< Fingers that close further than this hold nothing.
   double carry_height_m = 0.12;   ///< Over everything on the table.
   double lip_inset_m = 0.022;     ///< The cube comes down so far inside the mouth's near lip ...
-  double slide_height_m = 0.006;  ///< ... and slides to its place so high above the table ...
+  double slide_height_m = 0.006;  ///< ... and slides to its place so much above where it was
+                                  ///< grasped ...
   double slide_force_N = 10;      ///< ... or until it meets this.
   double release_opening_m = 0.055;  ///< Enough for a 35 mm cube, without reaching the cloth.
   double lower_speed_m_s = 0.10;
@@ -52,9 +53,10 @@ struct PickPlaceConfig {
 
 /// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
 /// layer that was drawn back rather than onto it, and lets go. The cube stays where it is if the
-/// mouth is too narrow for it: then a long mouth is widened, and a bag with a short one laid flat.
+/// mouth is too narrow for it, when a long one is widened and a bag with a short one laid flat, or
+/// if a single lip is all that is seen: then the bag is laid flat, too.
 /// @param cube_W  centre of the cube. @param yaw_rad  of one of its edges about z.
-/// @param mouth  none if its lips are not seen apart: then the cube comes down at place_W.
+/// @param mouth  none if rim or lips are not seen: then the cube comes down at place_W.
 /// @param lift how a bag is laid flat. @param scratch how a mouth is widened.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,

@@ -44,15 +44,15 @@ struct ScratchDragConfig {
   }
 };
 
-/// Scratches up the cloth at p_W, the fingers closing along the rim, and drags it over target_W.
+/// Scratches up the cloth at p_W, the fingers closing along the rim, and drags it towards target_W.
 /// @param along_W direction of the rim, horizontal.
 void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion);
 
 /// tau_scratch alone: touches the cloth at p_W and closes along the rim; beside p_W, on the side
-/// that drag_W leads to, if both layers seem to be between the pads. @returns where the fingers
-/// closed.
+/// that drag_W leads to, if none or both layers seem to be between the pads. @returns where the
+/// fingers closed.
 Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
                            const Eigen::Vector3d& drag_W, const Eigen::Vector3d& along_W,
                            const ScratchDragConfig& config, const MotionConfig& motion);

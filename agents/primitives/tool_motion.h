@@ -18,7 +18,6 @@ struct MotionConfig {
   double travel_speed_m_s = 0.40;   ///< Free motion.
   double descend_speed_m_s = 0.15;  ///< Down to where a guarded move begins.
   double guarded_speed_m_s = 0.02;  ///< Until contact.
-  double contact_force_N = 4;       ///< Counts as touching the table.
   double finger_speed_m_s = 0.10;   ///< Per finger; the real gripper does 0.02 to 0.15.
   double grip_force_N = 60;         ///< Of the closed gripper; the real one does 20 to 235.
   double approach_m = 0.10;         ///< Fingertips above the table before and after an action.
@@ -31,7 +30,6 @@ struct MotionConfig {
     v("travel_speed_m_s", travel_speed_m_s, Range{0.01, 1});
     v("descend_speed_m_s", descend_speed_m_s, Range{0.01, 1});
     v("guarded_speed_m_s", guarded_speed_m_s, Range{0.002, 0.25});
-    v("contact_force_N", contact_force_N, Range{0.5, 40});
     v("finger_speed_m_s", finger_speed_m_s, Range{0.02, 0.15});
     v("grip_force_N", grip_force_N, Range{20, 235});
     v("approach_m", approach_m, Range{0.04, 0.3});

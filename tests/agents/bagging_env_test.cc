@@ -427,6 +427,18 @@ TEST_F(BaggingEnvTest, PickPlaceLaysABagWithAShortNarrowMouthFlatByItsNearLip) {
   }
 }
 
+TEST_F(BaggingEnvTest, PickPlaceLaysABagFlatWhoseLabelsDoNotGoRoundAMouth) {
+  config_.pick_place.slit_m = 0;
+  config_.pick_place.room_m = 0.017;
+  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+  for (const bool folded : {false, true}) {
+    rig_.corner_folded = folded;
+    (void)env.Begin("2", 5);
+    ASSERT_GT(env.before().width->radius_px, 0.018 * synthetic::kPxPerMetre);
+    EXPECT_EQ(env.Act(5).log["note"] == "bag laid flat instead", folded);
+  }
+}
+
 TEST_F(BaggingEnvTest, PickPlaceDrawsTheInnerSideOfANarrowMouthAwayFromTheOther) {
   config_.pick_place.room_m = 0.1;
   config_.pick_place.slit_m = 0;

@@ -26,6 +26,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   int next = 0;
   int refuse_at = -1;  ///< Index of the move (fingers not counted) that is refused ...
   MoveEnd refusal = MoveEnd::kUnreachable;
+  bool corner_folded = false;        ///< In s2, with both layers.
   bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
   double nothing_beyond_m = 1e9;     ///< ... unless they are so far from the table's middle.
   double cloth_between_fingers_m = 0.005;
@@ -52,7 +53,11 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     RgbdFrame frame = EmptyTable();
     if (state == 0) DrawFoldedBag(frame);
     if (state == 1) DrawFlatBag(frame);
-    if (state == 2 || state == 3) DrawOpenBag(frame);
+    if (state == 2 && corner_folded) {
+      DrawBagWithFoldedCorner(frame);
+    } else if (state == 2 || state == 3) {
+      DrawOpenBag(frame);
+    }
     // In s3 in the mouth, off its middle; in s5 on the canvas; else where it waits.
     if (state == 3) DrawCube(frame, cube_in_mouth_px);
     if (state == 5) DrawCube(frame, {300, 250});

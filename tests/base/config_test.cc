@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "base/error.h"
+#include "base/files.h"
 
 namespace gusset {
 namespace {
@@ -116,6 +118,24 @@ TEST(Config, ASyntaxErrorNamesFileAndLineOnOneLine) {
     EXPECT_THAT(error, testing::StartsWith("bag1.toml:")) << text;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
+}
+
+TEST(Config, ForgetsWhatAFileGaveAndNothingElse) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / "gusset_config_test_forget.toml";
+  WriteFileAtomic(file, "[cloth]\nfriction = 0.3\nnodes = 300\nsize_m = [0.3, 0.4]\n");
+  ConfigTree tree;
+  tree.Parse("[cloth]\nfriction = 0.30\nnodes = 200\nsize_m = [0.3, 0.4]\nfabric = 'film'",
+             "run.toml");
+  tree.Forget(file);
+  std::filesystem::remove(file);
+  Cloth cloth;
+  tree.Read("cloth", cloth);
+  EXPECT_EQ(cloth.friction, Cloth().friction);
+  EXPECT_EQ(cloth.nodes, 200) << "set since";
+  EXPECT_EQ(cloth.size_m, Cloth().size_m);
+  EXPECT_EQ(cloth.fabric, "film") << "not in that file";
+  EXPECT_THROW(tree.Forget("/nowhere.toml"), InputError);
 }
 
 TEST(Config, LaterFilesAndSetWinAndSayWhereTheyCameFrom) {

@@ -148,11 +148,12 @@ void CallOne(Bytes bytes) {
       return;
     }
     case 13: {
-      const std::vector<cv::Point2d> outline = WithoutGap(MouthOutline(bytes.Points()));
+      const std::vector<cv::Point2d> outline = MouthOutline(bytes.Points());
       const MouthDepth depth = DepthWithin(
           outline, {bytes.Below(300), bytes.Below(300), bytes.Below(400), bytes.Below(400)});
       (void)RoomWithin(depth, bytes.Number());
       (void)MeasureWidth(outline, depth);
+      (void)GoesRound(outline);
       return;
     }
   }

@@ -107,36 +107,29 @@ Points BentLip() {
   return lip;
 }
 
-TEST(WithoutGap, GoesThereAndBackAlongASingleBentLip) {
-  const Points outline = MouthOutline(BentLip());
-  const double chord = std::hypot(90, 150);
-  ASSERT_NEAR(Length(outline), 8 * 30 + chord, 1e-9);
-  const Points lips = WithoutGap(outline);
-  EXPECT_NEAR(Length(lips), 2 * 8 * 30, 1e-9);
-  const std::vector<cv::Point2f> area(lips.begin(), lips.end());
-  EXPECT_NEAR(cv::contourArea(area), 0, 1e-3);
+TEST(GoesRound, TellsASingleBentLipFromAMouth) {
+  EXPECT_FALSE(GoesRound(MouthOutline(BentLip())));
+  EXPECT_TRUE(GoesRound(MouthOutline(BentMouth())));
 }
 
-TEST(WithoutGap, KeepsAnOutlineInWhichALabelIsMissing) {
+TEST(GoesRound, AllowsForAHiddenLabelButNotForTwoInARow) {
   Points ring;
   for (int i = 0; i < 10; ++i) {
     const double angle = 2 * std::numbers::pi * i / 10;
     ring.emplace_back(240 + 60 * std::cos(angle), 240 + 60 * std::sin(angle));
   }
-  EXPECT_EQ(WithoutGap(ring), ring);
+  EXPECT_TRUE(GoesRound(ring));
   ring.erase(ring.begin() + 4);
-  EXPECT_EQ(WithoutGap(ring), ring);
-  // Of two in a row the side is 2.6 times the others.
-  ring.erase(ring.begin() + 4);
-  EXPECT_NE(WithoutGap(ring), ring);
+  EXPECT_TRUE(GoesRound(ring));
+  ring.erase(ring.begin() + 4);  // 2.6 times the others
+  EXPECT_FALSE(GoesRound(ring));
 }
 
-TEST(WithoutGap, KeepsTrianglesAndTooFewPoints) {
-  const Points triangle = {{0, 0}, {10, 0}, {20, 1}};
-  EXPECT_EQ(WithoutGap(triangle), triangle) << "no side is longer than the two others";
-  EXPECT_TRUE(WithoutGap({}).empty());
-  EXPECT_EQ(WithoutGap({{1, 2}, {30, 40}}).size(), 2u);
-  EXPECT_THROW(WithoutGap({{0, 0}, {1, std::nan("")}, {2, 2}}), InputError);
+TEST(GoesRound, CannotBeToldOfFewerThanFourPoints) {
+  EXPECT_TRUE(GoesRound({{0, 0}, {1, 0}, {100, 1}}));
+  EXPECT_TRUE(GoesRound({}));
+  EXPECT_FALSE(GoesRound({{0, 0}, {10, 0}, {20, 0}, {30, 0}})) << "the way back is a side";
+  EXPECT_THROW(GoesRound({{0, 0}, {1, std::nan("")}, {2, 2}}), InputError);
 }
 
 // Room as a mask of the whole box.

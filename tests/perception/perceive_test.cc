@@ -131,6 +131,21 @@ TEST(Perceive, PlacePointsLieWhereTheCubeClearsTheLipsOfABentMouth) {
   }
 }
 
+TEST(Perceive, ALipRoundAFoldedCornerIsNoClosedMouth) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawBagWithFoldedCorner(frame);
+  synthetic::DrawCube(frame, {566, 240});
+  const Observation corner = Look(frame);
+  ASSERT_EQ(corner.state, State::kOpen);
+  ASSERT_TRUE(corner.width);
+  EXPECT_GT(corner.width->radius_px, kConfig.place_inset_px) << "taken for a mouth it has room";
+  EXPECT_FALSE(corner.width->closed);
+
+  const Observation open = Look(FrameOf(2));
+  ASSERT_TRUE(open.width);
+  EXPECT_TRUE(open.width->closed);
+}
+
 TEST(Perceive, WithoutBagItIsSuccessOrFail) {
   RgbdFrame frame = synthetic::EmptyTable();
   const Observation nothing = Look(frame);

@@ -102,6 +102,14 @@ inline void DrawOpenBag(RgbdFrame& frame, const Pose& pose = {}) {
   for (const cv::Point2d& at : MouthLabels()) DrawLabel(frame, pose, at);
 }
 
+/// A bag one corner of which is folded over with both layers: all labels lie along the fold's
+/// edges.
+inline void DrawBagWithFoldedCorner(RgbdFrame& frame, const Pose& pose = {}) {
+  DrawFlatBag(frame, pose, 0);
+  for (const double x : {-64, -32, 0, 32}) DrawLabel(frame, pose, {x, -90});
+  for (const double y : {-58, -26, 6, 38}) DrawLabel(frame, pose, {32, y});
+}
+
 /// A small heap of about 10,000 px^2 without labels, as in figure 5.2 a.
 inline void DrawFoldedBag(RgbdFrame& frame, const Pose& pose = {}) {
   Fill(frame.color,

@@ -91,18 +91,21 @@ TEST(CorpusScore, PosePointsCountWhereTheyAreMeantToBe) {
   CorpusScore score;
   score.Add(Frame(State::kUnfolded, 34000, 0, 5), BagThresholds(), seen, surface);
   seen.state = State::kOpen;
-  // Once too narrow for the cube, once of unknown width, once as wide as it has to be.
+  // Once too narrow for the cube, once of unknown width, once as wide as it has to be; and a lip
+  // with as much room that is no closed mouth.
   const double room = PerceptionConfig().place_inset_px;
   for (const double radius : {0.9 * room, 0.0, room}) {
     seen.width.reset();
     if (radius > 0) seen.width = Width{radius, 100, {}};
     score.Add(Frame(State::kOpen, 34000, 2000, 5), BagThresholds(), seen, surface);
   }
+  seen.width->closed = false;
+  score.Add(Frame(State::kOpen, 34000, 2000, 5), BagThresholds(), seen, surface);
   const nlohmann::ordered_json points = score.Report().at("pose_points");
   EXPECT_EQ(points.at(2).at("share"), 0.25) << points.at(2).dump();
   EXPECT_EQ(points.at(3).at("share"), 0.5) << points.at(3).dump();
   EXPECT_EQ(points.at(4).at("share"), 0.25) << points.at(4).dump();
-  EXPECT_EQ(points.at(4).at("count"), 12) << points.at(4).dump();
+  EXPECT_EQ(points.at(4).at("count"), 16) << points.at(4).dump();
   EXPECT_EQ(points.at(5).at("share"), 0.25) << points.at(5).dump();
   EXPECT_EQ(points.at(5).at("count"), 4) << points.at(5).dump();
 }

@@ -138,7 +138,7 @@ void CorpusScore::AddPoints(const Observation& seen, const cv::Mat& surface) {
     case State::kOpen:
       count(kS2Place, seen.place_points, in_mouth);
       // Into a narrower mouth nothing is placed.
-      if (seen.width && seen.width->radius_px >= kRoom_px) {
+      if (seen.width && seen.width->closed && seen.width->radius_px >= kRoom_px) {
         count(kS2Room, seen.place_points, in_mouth);
       }
       break;

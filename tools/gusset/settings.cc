@@ -19,6 +19,15 @@
 namespace gusset {
 namespace {
 
+// What a run's bag had set must not hold for another bag whose file is silent on it.
+void ForgetBag(const std::string& bag, ConfigTree& tree) {
+  try {
+    tree.Forget(BagFile(bag));
+  } catch (const InputError&) {
+    // Its file is gone. Nothing tells any more which values were the bag's.
+  }
+}
+
 volatile std::sig_atomic_t stop_requested = 0;
 
 extern "C" void OnStopSignal(int) { stop_requested = 1; }
@@ -112,7 +121,11 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
     settings.tree.Load(source.base);
     settings.tree.Read("train", settings.train);
     // A run's config holds its bag already, as --set may have changed it.
-    if (bag == settings.train.bag) bag.reset();
+    if (bag == settings.train.bag) {
+      bag.reset();
+    } else if (bag) {
+      ForgetBag(settings.train.bag, settings.tree);
+    }
   } else if (!bag) {
     bag = settings.train.bag;
   }

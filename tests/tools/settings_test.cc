@@ -1,0 +1,32 @@
+#include "tools/gusset/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/files.h"
+
+namespace gusset {
+namespace {
+
+// Bag 2's file says how far to drag, Bag 1's does not.
+TEST(Settings, ARunsBagLeavesNothingBehindForAnotherBag) {
+  CommonOptions common;
+  common.assignments = {"primitives.pick_place.widen_m=0.04"};
+  const Settings run = LoadSettings(common, {.bag = "bag2"});
+  ASSERT_NE(run.bagging.scratch_drag.drag_least_m, ScratchDragConfig().drag_least_m);
+  const std::filesystem::path config =
+      std::filesystem::temp_directory_path() / "gusset_settings_test.toml";
+  WriteFileAtomic(config, run.resolved);
+
+  const Settings same = LoadSettings({}, {.base = config, .bag = "bag2"});
+  EXPECT_EQ(same.resolved, run.resolved);
+  const Settings other = LoadSettings({}, {.base = config, .bag = "bag1"});
+  std::filesystem::remove(config);
+  EXPECT_EQ(other.bagging.scratch_drag.drag_least_m, ScratchDragConfig().drag_least_m);
+  EXPECT_EQ(other.bagging.pick_place.slit_m, PickPlaceConfig().slit_m);
+  EXPECT_EQ(other.bagging.pick_place.widen_m, 0.04) << "the run's own choice";
+}
+
+}  // namespace
+}  // namespace gusset
