@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -121,14 +122,13 @@ TEST(Config, ASyntaxErrorNamesFileAndLineOnOneLine) {
 }
 
 TEST(Config, ForgetsWhatAFileGaveAndNothingElse) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / "gusset_config_test_forget.toml";
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "cloth.toml";
   WriteFileAtomic(file, "[cloth]\nfriction = 0.3\nnodes = 300\nsize_m = [0.3, 0.4]\n");
   ConfigTree tree;
   tree.Parse("[cloth]\nfriction = 0.30\nnodes = 200\nsize_m = [0.3, 0.4]\nfabric = 'film'",
              "run.toml");
   tree.Forget(file);
-  std::filesystem::remove(file);
   Cloth cloth;
   tree.Read("cloth", cloth);
   EXPECT_EQ(cloth.friction, Cloth().friction);

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/files.h"
+#include "tests/temporary_folder.h"
 
 namespace gusset {
 namespace {
@@ -15,14 +16,13 @@ TEST(Settings, ARunsBagLeavesNothingBehindForAnotherBag) {
   common.assignments = {"primitives.pick_place.widen_m=0.04"};
   const Settings run = LoadSettings(common, {.bag = "bag2"});
   ASSERT_NE(run.bagging.scratch_drag.drag_least_m, ScratchDragConfig().drag_least_m);
-  const std::filesystem::path config =
-      std::filesystem::temp_directory_path() / "gusset_settings_test.toml";
+  const TemporaryFolder folder;
+  const std::filesystem::path config = folder.path() / "config.toml";
   WriteFileAtomic(config, run.resolved);
 
   const Settings same = LoadSettings({}, {.base = config, .bag = "bag2"});
   EXPECT_EQ(same.resolved, run.resolved);
   const Settings other = LoadSettings({}, {.base = config, .bag = "bag1"});
-  std::filesystem::remove(config);
   EXPECT_EQ(other.bagging.scratch_drag.drag_least_m, ScratchDragConfig().drag_least_m);
   EXPECT_EQ(other.bagging.pick_place.slit_m, PickPlaceConfig().slit_m);
   EXPECT_EQ(other.bagging.pick_place.widen_m, 0.04) << "the run's own choice";
