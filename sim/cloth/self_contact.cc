@@ -580,20 +580,37 @@ void SelfContact::Enforce(const Vec4Array& x_prev, const std::vector<float>& inv
 }
 
 int CountCrossings(const ClothMesh& mesh, const Vec3Array& x) {
+  // In order of their least x, those that an edge may meet follow one another.
+  struct Bounded {
+    Vec3f lo, hi;
+    int triangle;
+  };
+  std::vector<Bounded> bounded;
+  bounded.reserve(mesh.triangles.size());
+  float widest = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3f lo = x[t[0]].cwiseMin(x[t[1]]).cwiseMin(x[t[2]]);
+    const Vec3f hi = x[t[0]].cwiseMax(x[t[1]]).cwiseMax(x[t[2]]);
+    bounded.push_back({lo, hi, static_cast<int>(i)});
+    widest = std::max(widest, hi.x() - lo.x());
+  }
+  const auto before = [](const Bounded& p, const Bounded& q) { return p.lo.x() < q.lo.x(); };
+  std::sort(bounded.begin(), bounded.end(), before);
   int crossings = 0;
   for (const auto& e : mesh.edges) {
     const Vec3f &p = x[e[0]], &q = x[e[1]];
     const Vec3f lo = p.cwiseMin(q), hi = p.cwiseMax(q);
-    for (const auto& t : mesh.triangles) {
+    const Bounded earliest{lo - Vec3f::Constant(1.001f * widest), hi, 0};
+    for (auto at = std::lower_bound(bounded.begin(), bounded.end(), earliest, before);
+         at != bounded.end() && at->lo.x() <= hi.x(); ++at) {
+      if ((at->lo.array() > hi.array()).any() || (at->hi.array() < lo.array()).any()) continue;
+      const auto& t = mesh.triangles[at->triangle];
       if (e[0] == t[0] || e[0] == t[1] || e[0] == t[2] || e[1] == t[0] || e[1] == t[1] ||
           e[1] == t[2]) {
         continue;
       }
       const Vec3f &a = x[t[0]], &b = x[t[1]], &c = x[t[2]];
-      if ((a.cwiseMin(b).cwiseMin(c).array() > hi.array()).any() ||
-          (a.cwiseMax(b).cwiseMax(c).array() < lo.array()).any()) {
-        continue;
-      }
       // Segment against triangle by signed volumes, in double: a crossing is a
       // yes or no.
       const auto volume = [](const Vec3f& o, const Vec3f& r, const Vec3f& s, const Vec3f& u) {

@@ -132,7 +132,7 @@ class SelfContact {
 };
 
 /// Edges that pierce a face; zero for a cloth that never passed through itself.
-/// O(n^2) over overlapping boxes; for tests and health checks.
+/// For tests and health checks.
 int CountCrossings(const ClothMesh& mesh, const Vec3Array& x);
 
 }  // namespace gusset
