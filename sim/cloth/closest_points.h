@@ -4,9 +4,10 @@
 
 namespace gusset {
 
-/// Barycentric coordinates of a triangle's points, four triangles at once.
-struct Barycentric4 {
-  Float4 a, b, c;
+/// Barycentric coordinates of triangles' points, one triangle per lane.
+template <class F>
+struct Barycentric {
+  F a, b, c;
 };
 
 /// Barycentric coordinates of the points of triangles abc that are closest to
@@ -16,57 +17,63 @@ struct Barycentric4 {
 /// Detection, 2005, section 3.4). Outside: the nearest of the three sides'
 /// clamped projections (section 5.1.2). Coordinates that vanish are exactly
 /// zero. A triangle without area falls back on its sides.
-inline Barycentric4 ClosestOnTriangle(const Vec3x4& p, const Vec3x4& a, const Vec3x4& b,
-                                      const Vec3x4& c) {
-  const Float4 tiny = 1e-20f;
-  const Vec3x4 ab = b - a, ac = c - a, bc = c - b, ap = p - a, bp = p - b;
-  const Float4 d1 = Dot(ab, ap), d2 = Dot(ac, ap), d3 = Dot(bc, bp);
-  const Float4 aa = Dot(ab, ab), cc = Dot(ac, ac), m = Dot(ab, ac), ee = Dot(bc, bc);
-  const Float4 det = aa * cc - m * m;
-  const Float4 v = cc * d1 - m * d2, w = aa * d2 - m * d1;
-  const Float4 inside =
-      (Float4(0.0f) < v) & (Float4(0.0f) < w) & (v + w < det) & (aa * cc * 1e-6f < det);
-  const Float4 inv = Float4(1.0f) / Max(det, tiny);
+template <class F>
+[[gnu::always_inline]] inline Barycentric<F> ClosestOnTriangle(const Vec3Lanes<F>& p,
+                                                               const Vec3Lanes<F>& a,
+                                                               const Vec3Lanes<F>& b,
+                                                               const Vec3Lanes<F>& c) {
+  const F tiny = 1e-20f;
+  const Vec3Lanes<F> ab = b - a, ac = c - a, bc = c - b, ap = p - a, bp = p - b;
+  const F d1 = Dot(ab, ap), d2 = Dot(ac, ap), d3 = Dot(bc, bp);
+  const F aa = Dot(ab, ab), cc = Dot(ac, ac), m = Dot(ab, ac), ee = Dot(bc, bc);
+  const F det = aa * cc - m * m;
+  const F v = cc * d1 - m * d2, w = aa * d2 - m * d1;
+  const F inside = (F(0.0f) < v) & (F(0.0f) < w) & (v + w < det) & (aa * cc * 1e-6f < det);
+  const F inv = F(1.0f) / Max(det, tiny);
 
-  const Float4 t_ab = Clamp01(d1 / Max(aa, tiny));
-  const Float4 t_ac = Clamp01(d2 / Max(cc, tiny));
-  const Float4 t_bc = Clamp01(d3 / Max(ee, tiny));
-  const Vec3x4 g_ab = ap - ab * t_ab, g_ac = ap - ac * t_ac, g_bc = bp - bc * t_bc;
-  const Float4 q_ab = Dot(g_ab, g_ab), q_ac = Dot(g_ac, g_ac), q_bc = Dot(g_bc, g_bc);
-  const Float4 take_ac = q_ac < q_ab;
-  const Float4 take_bc = q_bc < Min(q_ab, q_ac);
-  Float4 wb = Select(take_ac, 0.0f, t_ab), wc = Select(take_ac, t_ac, 0.0f);
-  Float4 wa = Float4(1.0f) - wb - wc;
+  const F t_ab = Clamp01(d1 / Max(aa, tiny));
+  const F t_ac = Clamp01(d2 / Max(cc, tiny));
+  const F t_bc = Clamp01(d3 / Max(ee, tiny));
+  const Vec3Lanes<F> g_ab = ap - ab * t_ab, g_ac = ap - ac * t_ac, g_bc = bp - bc * t_bc;
+  const F q_ab = Dot(g_ab, g_ab), q_ac = Dot(g_ac, g_ac), q_bc = Dot(g_bc, g_bc);
+  const F take_ac = q_ac < q_ab;
+  const F take_bc = q_bc < Min(q_ab, q_ac);
+  F wb = Select(take_ac, 0.0f, t_ab), wc = Select(take_ac, t_ac, 0.0f);
+  F wa = F(1.0f) - wb - wc;
   wa = Select(take_bc, 0.0f, wa);
-  wb = Select(take_bc, Float4(1.0f) - t_bc, wb);
+  wb = Select(take_bc, F(1.0f) - t_bc, wb);
   wc = Select(take_bc, t_bc, wc);
-  const Float4 in_b = v * inv, in_c = w * inv;
-  return {Select(inside, Float4(1.0f) - in_b - in_c, wa), Select(inside, in_b, wb),
+  const F in_b = v * inv, in_c = w * inv;
+  return {Select(inside, F(1.0f) - in_b - in_c, wa), Select(inside, in_b, wb),
           Select(inside, in_c, wc)};
 }
 
 /// Parameters s, t in [0, 1] of the closest points a + s (b - a) and c + t (d -
 /// c) of segments. Ericson (2005), section 5.1.9; nearly parallel segments take
 /// the middle of their overlap.
-struct SegmentPoints4 {
-  Float4 s, t;
+template <class F>
+struct SegmentPoints {
+  F s, t;
 };
 
-inline SegmentPoints4 ClosestOnSegments(const Vec3x4& a, const Vec3x4& b, const Vec3x4& c,
-                                        const Vec3x4& d) {
-  const Float4 tiny = 1e-20f;
-  const Vec3x4 u = b - a, v = d - c, r = a - c;
-  const Float4 uu = Max(Dot(u, u), tiny), vv = Max(Dot(v, v), tiny);
-  const Float4 ur = Dot(u, r), vr = Dot(v, r), uv = Dot(u, v);
-  const Float4 det = uu * vv - uv * uv;
-  const Float4 parallel = det <= uu * vv * 1e-4f;
-  const Float4 s0 = Float4(0.0f) - ur / uu, s1 = s0 + uv / uu;
-  const Float4 middle = (Clamp01(Min(s0, s1)) + Clamp01(Max(s0, s1))) * 0.5f;
-  const Float4 crossing = Clamp01((uv * vr - ur * vv) / Max(det, tiny));
-  const Float4 s = Select(parallel, middle, crossing);
-  const Float4 t = (uv * s + vr) / vv;
-  const Float4 clamped = Clamp01(t);
-  const Float4 s_end = Clamp01((uv * clamped - ur) / uu);
+template <class F>
+[[gnu::always_inline]] inline SegmentPoints<F> ClosestOnSegments(const Vec3Lanes<F>& a,
+                                                                 const Vec3Lanes<F>& b,
+                                                                 const Vec3Lanes<F>& c,
+                                                                 const Vec3Lanes<F>& d) {
+  const F tiny = 1e-20f;
+  const Vec3Lanes<F> u = b - a, v = d - c, r = a - c;
+  const F uu = Max(Dot(u, u), tiny), vv = Max(Dot(v, v), tiny);
+  const F ur = Dot(u, r), vr = Dot(v, r), uv = Dot(u, v);
+  const F det = uu * vv - uv * uv;
+  const F parallel = det <= uu * vv * 1e-4f;
+  const F s0 = F(0.0f) - ur / uu, s1 = s0 + uv / uu;
+  const F middle = (Clamp01(Min(s0, s1)) + Clamp01(Max(s0, s1))) * 0.5f;
+  const F crossing = Clamp01((uv * vr - ur * vv) / Max(det, tiny));
+  const F s = Select(parallel, middle, crossing);
+  const F t = (uv * s + vr) / vv;
+  const F clamped = Clamp01(t);
+  const F s_end = Clamp01((uv * clamped - ur) / uu);
   return {Select(t == clamped, s, s_end), clamped};
 }
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <map>
 
+#include "sim/cloth/simd8.h"
+
 namespace gusset {
 namespace {
 
@@ -97,14 +99,32 @@ bool Facing::IsClosest(int triangle, const std::array<float, 3>& b, const Vec4f&
   return true;
 }
 
-float Facing::RidgeShare(int edge, const Vec4f& outwards, const Vec4Array& x) const {
-  const auto& e = mesh_.edges[edge];
-  float outside = -1;
-  for (const int beyond : across_edge_[edge]) {
-    if (beyond < 0) continue;
-    outside = std::max(outside, outwards.dot(Across(x[e[0]], x[e[1]], x[beyond])));
+void Facing::FindRidgeShares(const Vec4Array& x, EdgeQuery& query) const {
+  // Sums in the order of Eigen's, which IsClosest uses.
+  const auto dot = [](const Vec3x8& a, const Vec3x8& b) {
+    return a.x * b.x + a.z * b.z + a.y * b.y;
+  };
+  std::array<int, kLanes> from, to, first, second;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const std::uint16_t edge = query.edge[k];
+    from[k] = mesh_.edges[edge][0], to[k] = mesh_.edges[edge][1];
+    first[k] = across_edge_[edge][0];
+    second[k] = across_edge_[edge][1] < 0 ? first[k] : across_edge_[edge][1];
   }
-  return std::clamp((-outside / ridge_sine_ - kFlatShare) / (1 - kFlatShare), 0.0f, 1.0f);
+  const Vec3x8 outwards = {Float8::Load(query.outwards_x.data()),
+                           Float8::Load(query.outwards_y.data()),
+                           Float8::Load(query.outwards_z.data())};
+  const Vec3x8 start = Gather(x.data(), from), side = Gather(x.data(), to) - start;
+  const Float8 length2 = Max(dot(side, side), 1e-20f);
+  // As Across.
+  const auto sine = [&](const std::array<int, kLanes>& beyond) {
+    const Vec3x8 to = Gather(x.data(), beyond) - start;
+    const Vec3x8 off = to - side * (dot(to, side) / length2);
+    const Float8 length = Max(Sqrt(dot(off, off)), 1e-12f);
+    return dot(outwards, {off.x / length, off.y / length, off.z / length});
+  };
+  const Float8 inside = Float8(0.0f) - Max(sine(first), sine(second));
+  Clamp01((inside / ridge_sine_ - kFlatShare) / (1 - kFlatShare)).Store(query.share.data());
 }
 
 void Facing::FindRidges(const Vec4Array& x, std::vector<std::uint8_t>& ridge) const {

@@ -29,10 +29,17 @@ class Facing {
   /// vector from that point to the node. True inside.
   bool IsClosest(int triangle, const std::array<float, 3>& barycentric, const Vec4f& outwards,
                  const Vec4Array& x) const;
-  /// The share of a thickness, 0 to 1, that `edge` keeps from what lies along `outwards`, a unit
+  /// The share of a thickness, 0 to 1, that each of some edges keeps from what lies along a unit
   /// vector across it: 0 up to a fifth of ridge_sine() inside the edge's normal cone, 1 from
   /// ridge_sine() on.
-  float RidgeShare(int edge, const Vec4f& outwards, const Vec4Array& x) const;
+  static constexpr std::size_t kLanes = 8;
+  struct alignas(32) EdgeQuery {
+    using Lanes = std::array<float, kLanes>;
+    Lanes outwards_x, outwards_y, outwards_z;
+    Lanes share;  ///< The answer.
+    std::array<std::uint16_t, kLanes> edge;
+  };
+  void FindRidgeShares(const Vec4Array& x, EdgeQuery& query) const;
   /// Per edge: 1 if some direction lies in its cone far enough for it to keep anything, or one
   /// triangle alone has it. Edges that are flat now stay so until the next search.
   void FindRidges(const Vec4Array& x, std::vector<std::uint8_t>& ridge) const;

@@ -5,14 +5,39 @@
 #include <cstdlib>
 
 #include "sim/cloth/closest_points.h"
+#include "sim/cloth/simd8.h"
 
 namespace gusset {
 namespace {
 
-Float4 Length(const Vec3x4& v) { return Sqrt(Dot(v, v)); }
+constexpr std::size_t kLanes = Float8::kLanes;
+using Indices = std::array<int, kLanes>;
 
-Vec3x4 MaxAbs(const Vec3x4& a, const Vec3x4& b) {
+Float8 Length(const Vec3x8& v) { return Sqrt(Dot(v, v)); }
+
+Vec3x8 MaxAbs(const Vec3x8& a, const Vec3x8& b) {
   return {Max(a.x, Abs(b.x)), Max(a.y, Abs(b.y)), Max(a.z, Abs(b.z))};
+}
+
+template <class Box>
+Float8 Corners(const Box& box) {
+  return Float8::Load(box.lo.data());
+}
+
+/// What another box touches that begins at or below this.
+template <class Box>
+Float8 Reach(const Box& box) {
+  return Negated(HalvesSwapped(Corners(box)));
+}
+
+template <class Box>
+bool Touches(Float8 reach, const Box& box) {
+  return Bits(Corners(box) <= reach) == 255;
+}
+
+template <class Box>
+void Include(const Box& other, Box& box) {
+  Min(Corners(box), Corners(other)).Store(box.lo.data());
 }
 
 }  // namespace
@@ -130,35 +155,35 @@ void PairSearch::Refit(const MotionForecast& forecast) {
     const Float4 from = Float4::Load(start[i].data());
     const Float4 to = from + Float4::Load(way[i].data());
     const Float4 grow = half + way[i][3];
-    node_box_[i] = {Min(from, to) - grow, Max(from, to) + grow};
+    const Float4 lo = Min(from, to) - grow, hi = Max(from, to) + grow;
+    Float8(lo, Float4(0.0f) - hi).Store(node_box_[i].lo.data());
   }
   facing_.FindRidges(start, ridge_);
   edge_box_.resize(mesh_.edges.size());
-  const Float4 shrink[2] = {half * (1 - kGuardedShare), 0.0f};
+  const Float8 shrink[2] = {half * (1 - kGuardedShare), 0.0f};
   for (std::size_t i = 0; i < mesh_.edges.size(); ++i) {
     Box& box = edge_box_[i];
     box = node_box_[mesh_.edges[i][0]];
-    box.Include(node_box_[mesh_.edges[i][1]]);
+    Include(node_box_[mesh_.edges[i][1]], box);
     // What carries no force is watched no further than that.
-    box.lo = box.lo + shrink[ridge_[i]];
-    box.hi = box.hi - shrink[ridge_[i]];
+    (Corners(box) + shrink[ridge_[i]]).Store(box.lo.data());
   }
   triangle_box_.resize(mesh_.triangles.size());
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
     const auto& t = mesh_.triangles[i];
     triangle_box_[i] = node_box_[t[0]];
-    triangle_box_[i].Include(node_box_[t[1]]);
-    triangle_box_[i].Include(node_box_[t[2]]);
+    Include(node_box_[t[1]], triangle_box_[i]);
+    Include(node_box_[t[2]], triangle_box_[i]);
   }
   tree_box_.resize(tree_.size());
   for (std::size_t i = 0; i < tree_.size(); ++i) {
     const TreeNode& node = tree_[i];
     if (node.patch >= 0) {
       tree_box_[i] = triangle_box_[patches_[node.patch].triangles[0]];
-      tree_box_[i].Include(triangle_box_[patches_[node.patch].triangles[1]]);
+      Include(triangle_box_[patches_[node.patch].triangles[1]], tree_box_[i]);
     } else {
       tree_box_[i] = tree_box_[node.left];
-      tree_box_[i].Include(tree_box_[node.right]);
+      Include(tree_box_[node.right], tree_box_[i]);
     }
   }
 }
@@ -172,7 +197,7 @@ void PairSearch::Self(int node) {
 }
 
 void PairSearch::Cross(int a, int b) {
-  if (tree_box_[a].Overlaps(tree_box_[b])) CrossOverlapping(a, b);
+  if (Touches(Reach(tree_box_[a]), tree_box_[b])) CrossOverlapping(a, b);
 }
 
 void PairSearch::CrossOverlapping(int a, int b) {
@@ -202,8 +227,9 @@ void PairSearch::Patches(const PatchElements& p, const PatchElements& q) {
   const auto nodes = [&](const PatchElements& of, const PatchElements& with) {
     for (int i = 0; i < of.node_count; ++i) {
       const std::uint16_t n = of.node[i];
+      const Float8 reach = Reach(node_box_[n]);
       for (const std::uint16_t t : with.triangle) {
-        const bool touch = node_box_[n].Overlaps(triangle_box_[t]);
+        const bool touch = Touches(reach, triangle_box_[t]);
         maybe_node_triangle_.Offer({n, t}, touch & !(may_share && Share(n, t)));
       }
     }
@@ -213,9 +239,10 @@ void PairSearch::Patches(const PatchElements& p, const PatchElements& q) {
   maybe_edges_.Expect(p.edge_count * q.edge_count);
   for (int i = 0; i < p.edge_count; ++i) {
     const std::uint16_t e = p.edge[i];
+    const Float8 reach = Reach(edge_box_[e]);
     for (int j = 0; j < q.edge_count; ++j) {
       const std::uint16_t f = q.edge[j];
-      const bool touch = edge_box_[e].Overlaps(edge_box_[f]);
+      const bool touch = Touches(reach, edge_box_[f]);
       maybe_edges_.Offer({e, f}, touch & !(may_share && ShareEnd(e, f)));
     }
   }
@@ -228,11 +255,11 @@ void PairSearch::Find(const MotionForecast& forecast, Sieve<ElementPair>& node_t
   maybe_edges_.Clear();
   maybe_node_triangle_.Expect(near_node_triangle_.size());
   for (const IdPair& p : near_node_triangle_) {
-    maybe_node_triangle_.Offer(p, node_box_[p[0]].Overlaps(triangle_box_[p[1]]));
+    maybe_node_triangle_.Offer(p, Touches(Reach(node_box_[p[0]]), triangle_box_[p[1]]));
   }
   maybe_edges_.Expect(near_edges_.size());
   for (const IdPair& p : near_edges_) {
-    maybe_edges_.Offer(p, edge_box_[p[0]].Overlaps(edge_box_[p[1]]));
+    maybe_edges_.Offer(p, Touches(Reach(edge_box_[p[0]]), edge_box_[p[1]]));
   }
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     Self(roots_[i]);
@@ -249,46 +276,46 @@ void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
   const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
   const std::size_t count = maybe_node_triangle_.size();
   out.Expect(count);
-  for (std::size_t i = 0; i < count; i += 4) {
-    std::array<std::array<int, 4>, 4> n;  // [corner][lane]; node first
-    for (std::size_t lane = 0; lane < 4; ++lane) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    std::array<Indices, 4> n;  // [corner][lane]; node first
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const IdPair& pair = maybe_node_triangle_[std::min(i + lane, count - 1)];
       const auto& t = mesh_.triangles[pair[1]];
       n[0][lane] = pair[0];
       for (int k = 0; k < 3; ++k) n[k + 1][lane] = t[k];
     }
-    const auto at = [&](const Vec4f* from, int k, Float4* fourth = nullptr) {
-      return Gather(from, n[k][0], n[k][1], n[k][2], n[k][3], fourth);
+    const auto at = [&](const Vec4f* from, int k, Float8* fourth = nullptr) {
+      return Gather(from, n[k], fourth);
     };
-    const Vec3x4 p = at(x, 0), a = at(x, 1), b = at(x, 2), c = at(x, 3);
-    const Barycentric4 w = ClosestOnTriangle(p, a, b, c);
-    const Vec3x4 gap = p - a * w.a - b * w.b - c * w.c;
-    const Float4 distance = Length(gap);
+    const Vec3x8 p = at(x, 0), a = at(x, 1), b = at(x, 2), c = at(x, 3);
+    const Barycentric<Float8> w = ClosestOnTriangle(p, a, b, c);
+    const Vec3x8 gap = p - a * w.a - b * w.b - c * w.c;
+    const Float8 distance = Length(gap);
     // How far the node can move towards the triangle: their forecasts'
     // difference, and margins.
-    Float4 m0, m1, m2, m3;
-    const Vec3x4 v = at(way, 0, &m0);
-    Vec3x4 relative = MaxAbs({}, v - at(way, 1, &m1));
+    Float8 m0, m1, m2, m3;
+    const Vec3x8 v = at(way, 0, &m0);
+    Vec3x8 relative = MaxAbs({}, v - at(way, 1, &m1));
     relative = MaxAbs(relative, v - at(way, 2, &m2));
     relative = MaxAbs(relative, v - at(way, 3, &m3));
-    const Float4 approach = Length(relative) + m0 + Max(m1, Max(m2, m3));
+    const Float8 approach = Length(relative) + m0 + Max(m1, Max(m2, m3));
     const int keep = Bits(distance <= approach + mesh_.thickness_m);
     if (keep == 0) continue;
     // A border point that other triangles share stays theirs while the node
     // cannot get over this one.
-    const Vec3x4 ab = b - a, ac = c - a;
-    const Vec3x4 normal = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z,
+    const Vec3x8 ab = b - a, ac = c - a;
+    const Vec3x8 normal = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z,
                            ab.x * ac.y - ab.y * ac.x};
-    const Float4 off = Dot(gap, normal);
-    const Float4 beside2 = Dot(gap, gap) - off * off / Max(Dot(normal, normal), 1e-20f);
+    const Float8 off = Dot(gap, normal);
+    const Float8 beside2 = Dot(gap, gap) - off * off / Max(Dot(normal, normal), 1e-20f);
     const int beside = Bits(approach * approach < beside2);
     const int watch = Bits(distance <= approach + mesh_.thickness_m * kGuardedShare);
-    alignas(16) float d[4], wa[4], wb[4], wc[4];
+    alignas(32) float d[kLanes], wa[kLanes], wb[kLanes], wc[kLanes];
     distance.Store(d);
     w.a.Store(wa);
     w.b.Store(wb);
     w.c.Store(wc);
-    for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
+    for (std::size_t lane = 0; lane < std::min(kLanes, count - i); ++lane) {
       const int triangle = maybe_node_triangle_[i + lane][1];
       const bool guard =
           (beside >> lane & 1) && !facing_.Owns(triangle, {wa[lane], wb[lane], wc[lane]});
@@ -307,10 +334,10 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
   const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
   const std::size_t count = maybe_edges_.size();
   out.Expect(count);
-  for (std::size_t i = 0; i < count; i += 4) {
-    std::array<std::array<int, 4>, 4> n;  // [end][lane]
-    alignas(16) float both_ridges[4];
-    for (std::size_t lane = 0; lane < 4; ++lane) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    std::array<Indices, 4> n;  // [end][lane]
+    alignas(32) float both_ridges[kLanes];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const IdPair& pair = maybe_edges_[std::min(i + lane, count - 1)];
       both_ridges[lane] = ridge_[pair[0]] & ridge_[pair[1]] ? 1.0f : 0.0f;
       n[0][lane] = mesh_.edges[pair[0]][0];
@@ -318,32 +345,32 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
       n[2][lane] = mesh_.edges[pair[1]][0];
       n[3][lane] = mesh_.edges[pair[1]][1];
     }
-    const auto at = [&](const Vec4f* from, int k, Float4* fourth = nullptr) {
-      return Gather(from, n[k][0], n[k][1], n[k][2], n[k][3], fourth);
+    const auto at = [&](const Vec4f* from, int k, Float8* fourth = nullptr) {
+      return Gather(from, n[k], fourth);
     };
-    const Vec3x4 a = at(x, 0), b = at(x, 1), c = at(x, 2), d = at(x, 3);
-    const SegmentPoints4 w = ClosestOnSegments(a, b, c, d);
-    const Float4 distance = Length(a + (b - a) * w.s - c - (d - c) * w.t);
-    Float4 m0, m1, m2, m3;
-    const Vec3x4 va = at(way, 0, &m0), vb = at(way, 1, &m1), vc = at(way, 2, &m2),
+    const Vec3x8 a = at(x, 0), b = at(x, 1), c = at(x, 2), d = at(x, 3);
+    const SegmentPoints<Float8> w = ClosestOnSegments(a, b, c, d);
+    const Float8 distance = Length(a + (b - a) * w.s - c - (d - c) * w.t);
+    Float8 m0, m1, m2, m3;
+    const Vec3x8 va = at(way, 0, &m0), vb = at(way, 1, &m1), vc = at(way, 2, &m2),
                  vd = at(way, 3, &m3);
-    Vec3x4 relative = MaxAbs({}, va - vc);
+    Vec3x8 relative = MaxAbs({}, va - vc);
     relative = MaxAbs(relative, va - vd);
     relative = MaxAbs(relative, vb - vc);
     relative = MaxAbs(relative, vb - vd);
-    const Float4 approach = Length(relative) + Max(m0, m1) + Max(m2, m3);
+    const Float8 approach = Length(relative) + Max(m0, m1) + Max(m2, m3);
     // An end of an edge is a node, and node against triangle carries its contact, as it does where
     // cloth is flat.
-    const Float4 ridges = Float4::Load(both_ridges);
-    const Float4 inner =
-        (Float4(0.0f) < w.s) & (w.s < Float4(1.0f)) & (Float4(0.0f) < w.t) & (w.t < Float4(1.0f));
-    const Float4 force = inner & (Float4(0.0f) < ridges);
-    const Float4 near = Select(force, mesh_.thickness_m, mesh_.thickness_m * kGuardedShare);
+    const Float8 ridges = Float8::Load(both_ridges);
+    const Float8 inner =
+        (Float8(0.0f) < w.s) & (w.s < Float8(1.0f)) & (Float8(0.0f) < w.t) & (w.t < Float8(1.0f));
+    const Float8 force = inner & (Float8(0.0f) < ridges);
+    const Float8 near = Select(force, mesh_.thickness_m, mesh_.thickness_m * kGuardedShare);
     const int keep = Bits(distance <= approach + near);
     if (keep == 0) continue;
-    alignas(16) float length[4];
+    alignas(32) float length[kLanes];
     distance.Store(length);
-    for (std::size_t lane = 0; lane < std::min<std::size_t>(4, count - i); ++lane) {
+    for (std::size_t lane = 0; lane < std::min(kLanes, count - i); ++lane) {
       out.Offer({{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
                   static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
                  length[lane],

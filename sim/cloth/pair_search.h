@@ -42,10 +42,10 @@ class PairSearch {
   const Facing& facing() const { return facing_; }
 
  private:
-  struct Box {
-    Float4 lo, hi;
-    bool Overlaps(const Box& o) const { return Bits((lo <= o.hi) & (o.lo <= hi)) == 15; }
-    void Include(const Box& o) { lo = Min(lo, o.lo), hi = Max(hi, o.hi); }
+  /// Its low corner, and its high one negated: one register, and one comparison tells whether two
+  /// boxes touch.
+  struct alignas(32) Box {
+    std::array<float, 4> lo, minus_hi;
   };
   struct TreeNode {
     int left = -1, right = -1, patch = -1;

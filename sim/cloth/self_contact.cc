@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "sim/cloth/closest_points.h"
+#include "sim/cloth/simd8.h"
 
 namespace gusset {
 namespace {
@@ -35,9 +36,23 @@ constexpr float kPushBeyond_m = 2e-6f;
 
 Float4 Vector(const Vec4f& v) { return Float4::Load(v.data()); }
 
-Float4 Lanes(const std::array<float, 4>& lanes) { return Float4::Load(lanes.data()); }
+Float8 Lanes(const std::array<float, 8>& lanes) { return Float8::Load(lanes.data()); }
 
 float Dot(Float4 a, Float4 b) { return Sum3(a * b); }
+
+// Planes that leave less are pushed apart; nothing is taken from what never shrinks.
+template <class F>
+F AcceptedClearance(float thickness_m, F clear_m) {
+  const F least = Min(0.1f * thickness_m, Max(clear_m * 0.5f, kLeastKept_m));
+  return gusset::Select(clear_m <= kLeastKept_m, clear_m, least * 0.9f);
+}
+
+// Adds first + k for each bit k, those below count.
+void List(int bits, std::size_t first, std::size_t count, std::vector<int>& out) {
+  for (std::size_t i = first; bits != 0 && i < count; ++i, bits >>= 1) {
+    if (bits & 1) out.push_back(static_cast<int>(i));
+  }
+}
 
 }  // namespace
 
@@ -59,12 +74,11 @@ void SelfContact::Search(const Vec4Array& x, const Vec4Array& v) {
 // Turns pairs that may meet within the near forecast into contacts.
 void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   near_.Start(kNear, x, v);
-  from_.resize(x.size());
-  to_.resize(x.size());
+  moves_.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    from_[i] = x[i] - far_.start()[i];
-    to_[i] = from_[i] + near_.way()[i];
-    to_[i][3] = near_.way()[i][3];  // the margin rides along
+    const Float4 now = Vector(x[i]) - Vector(far_.start()[i]);
+    Float8(now, now + Vector(near_.way()[i])).Store(moves_[i].now.data());
+    moves_[i].end[3] = near_.way()[i][3];
   }
   contacts_.clear();
   guards_.clear();
@@ -75,8 +89,8 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   slipped_.assign(force_count_, Vec4f::Zero());
   most_slipped_m_.assign(force_count_, 0.0f);
   contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
-  planes_.resize((contacts_.size() + 3) / 4);
-  for (std::size_t i = 0; i < 4 * planes_.size(); ++i) SetPlane(i);
+  planes_.resize((contacts_.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < kLanes * planes_.size(); ++i) SetPlane(i);
   ++selections_;
 }
 
@@ -84,20 +98,20 @@ template <bool edges>
 void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x) {
   // The largest difference of two nodes' moves, one of each element, by component: an element's
   // points move by a mean of its nodes' moves, so this bounds the change of distance.
-  const auto widest = [](const std::array<Float4, 4>& p) {
-    const Float4 first = Max(Abs(p[0] - p[2]), Abs(p[0] - p[3]));
-    if (edges) return Max(first, Max(Abs(p[1] - p[2]), Abs(p[1] - p[3])));
-    return Max(first, Abs(p[0] - p[1]));
+  const auto widest = [](const std::array<Float8, 4>& m) {
+    const Float8 first = Max(Abs(m[0] - m[2]), Abs(m[0] - m[3]));
+    if (edges) return Max(first, Max(Abs(m[1] - m[2]), Abs(m[1] - m[3])));
+    return Max(first, Abs(m[0] - m[1]));
   };
-  const auto nodes = [](const Vec4Array& of, const ElementPair& pair) {
-    const auto& n = pair.node;
-    return std::array<Float4, 4>{Vector(of[n[0]]), Vector(of[n[1]]), Vector(of[n[2]]),
-                                 Vector(of[n[3]])};
+  const auto moves = [&](const ElementPair& pair) {
+    std::array<Float8, 4> m;
+    for (int k = 0; k < 4; ++k) m[k] = Float8::Load(moves_[pair.node[k]].now.data());
+    return m;
   };
-  // Margins, in the fourth lane of to_, add up the other way round.
-  const auto margins = [](const std::array<Float4, 4>& q) {
-    const Float4 last = Max(q[2], q[3]);
-    return edges ? Max(q[0], q[1]) + last : q[0] + Max(q[1], last);
+  // Margins, in the last lane, add up the other way round.
+  const auto margins = [](const std::array<Float8, 4>& m) {
+    const Float4 last = Max(m[2].high(), m[3].high());
+    return edges ? Max(m[0].high(), m[1].high()) + last : m[0].high() + Max(m[1].high(), last);
   };
   const float reach[2] = {thickness_m_, thickness_m_ * kGuardedShare};
   // Pairs whose distance can fall below what matters, four at a time.
@@ -110,8 +124,9 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
     };
     Float4 move[4];
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::array<Float4, 4> q = nodes(to_, pair(k));
-      move[k] = gusset::Select(xyz, Max(widest(nodes(from_, pair(k))), widest(q)), margins(q));
+      const std::array<Float8, 4> m = moves(pair(k));
+      const Float8 wide = widest(m);
+      move[k] = gusset::Select(xyz, Max(wide.low(), wide.high()), margins(m));
     }
     Transpose(move[0], move[1], move[2], move[3]);
     const Float4 move2 = move[0] * move[0] + move[1] * move[1] + move[2] * move[2];
@@ -136,82 +151,111 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
     c.kept_m = pair.guard ? 0.0f : thickness_m_;
     picked_.push_back(c);
     // From here on, only the near forecast's own way counts.
-    const std::array<Float4, 4> p = nodes(from_, pair), q = nodes(to_, pair);
-    const Float4 way = widest({q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]});
+    std::array<Float8, 4> m = moves(pair);
     alignas(16) float margin[4];
-    margins(q).Store(margin);
+    margins(m).Store(margin);
+    for (Float8& of : m) of = HalvesSwapped(of) - of;
+    const Float4 way = widest(m).low();
     approach_m_.push_back(std::sqrt(Dot(way, way)) + margin[3]);
   }
   if (picked_.empty()) return;
-  for (std::size_t i = 0; i < picked_.size(); i += 4) {
-    std::array<Contact*, 4> four;
-    for (std::size_t k = 0; k < 4; ++k) four[k] = &picked_[std::min(i + k, picked_.size() - 1)];
-    Place(four, x);
+  for (std::size_t i = 0; i < picked_.size(); i += kLanes) {
+    std::array<Contact*, kLanes> some;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      some[k] = &picked_[std::min(i + k, picked_.size() - 1)];
+    }
+    Place(some, x);
+  }
+  if (edges) {
+    KeepByRidges(x);
+  } else {
+    for (Contact& c : picked_) {
+      if (c.kept_m > 0 && !IsClosest(c, x)) c.kept_m = 0;
+    }
   }
   for (std::size_t i = 0; i < picked_.size(); ++i) {
-    Contact& c = picked_[i];
-    if (c.kept_m > 0) c.kept_m = KeptDistance(c, x);
+    const Contact& c = picked_[i];
     if (c.gap_m > approach_m_[i] + std::max(c.kept_m, thickness_m_ * kGuardedShare)) continue;
     (c.kept_m > 0 ? contacts_ : guards_).push_back(c);
   }
 }
 
-// How far apart the contact keeps its elements: not at all where another one does.
-float SelfContact::KeptDistance(const Contact& c, const Vec4Array& x) const {
-  const auto& w = c.weight;
+// Of a node against a triangle: false where another contact carries the force.
+bool SelfContact::IsClosest(const Contact& c, const Vec4Array& x) const {
+  const std::array<float, 3> at = {-c.weight[1], -c.weight[2], -c.weight[3]};
   const Facing& facing = pair_search_.facing();
-  if (!c.edges) {
-    const std::array<float, 3> at = {-w[1], -w[2], -w[3]};
-    const int triangle = c.element[1];
-    const bool here = facing.Owns(triangle, at) && facing.IsClosest(triangle, at, c.normal, x);
-    return here ? thickness_m_ : 0.0f;
-  }
-  // An end of an edge is a node, and node against triangle carries its contact.
-  if (!(w[0] > 0 && w[1] > 0 && w[2] < 0 && w[3] < 0)) return 0;
-  const float share = std::min(facing.RidgeShare(c.element[0], -c.normal, x),
-                               facing.RidgeShare(c.element[1], c.normal, x));
-  return share * thickness_m_;
+  return facing.Owns(c.element[1], at) && facing.IsClosest(c.element[1], at, c.normal, x);
 }
 
-// Closest points of four pairs of one kind at x: weights, normal, distance.
-void SelfContact::Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const {
-  const auto at = [&](int k) {
-    return Gather(x.data(), contacts[0]->node[k], contacts[1]->node[k], contacts[2]->node[k],
-                  contacts[3]->node[k]);
+// Of the contacts picked, edge against edge: as far apart as both are ridges.
+void SelfContact::KeepByRidges(const Vec4Array& x) {
+  const auto ends = [](const Contact& c) {
+    // An end of an edge is a node, and node against triangle carries its contact.
+    return !(c.weight[0] > 0 && c.weight[1] > 0 && c.weight[2] < 0 && c.weight[3] < 0);
   };
-  const Vec3x4 p0 = at(0), p1 = at(1), p2 = at(2), p3 = at(3);
-  Float4 w0, w1, w2, w3;
+  asked_.clear();
+  for (Contact& c : picked_) {
+    if (c.kept_m > 0 && ends(c)) c.kept_m = 0;
+    if (c.kept_m > 0) asked_.push_back(&c);
+  }
+  // Both edges of four contacts at a time.
+  constexpr std::size_t kContacts = Facing::kLanes / 2;
+  for (std::size_t i = 0; i < asked_.size(); i += kContacts) {
+    Facing::EdgeQuery query;
+    for (std::size_t lane = 0; lane < Facing::kLanes; ++lane) {
+      const Contact& c = *asked_[std::min(i + lane / 2, asked_.size() - 1)];
+      const float sign = lane % 2 == 0 ? -1.0f : 1.0f;
+      query.edge[lane] = c.element[lane % 2];
+      query.outwards_x[lane] = sign * c.normal[0];
+      query.outwards_y[lane] = sign * c.normal[1];
+      query.outwards_z[lane] = sign * c.normal[2];
+    }
+    pair_search_.facing().FindRidgeShares(x, query);
+    for (std::size_t k = 0; k < kContacts && i + k < asked_.size(); ++k) {
+      asked_[i + k]->kept_m = std::min(query.share[2 * k], query.share[2 * k + 1]) * thickness_m_;
+    }
+  }
+}
+
+// Closest points of eight pairs of one kind at x: weights, normal, distance.
+void SelfContact::Place(const std::array<Contact*, kLanes>& contacts, const Vec4Array& x) const {
+  const auto at = [&](int k) {
+    std::array<int, kLanes> n;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) n[lane] = contacts[lane]->node[k];
+    return Gather(x.data(), n);
+  };
+  const Vec3x8 p0 = at(0), p1 = at(1), p2 = at(2), p3 = at(3);
+  Float8 w0, w1, w2, w3;
   if (contacts[0]->edges) {
-    const SegmentPoints4 st = ClosestOnSegments(p0, p1, p2, p3);
-    w0 = Float4(1.0f) - st.s;
+    const SegmentPoints<Float8> st = ClosestOnSegments(p0, p1, p2, p3);
+    w0 = Float8(1.0f) - st.s;
     w1 = st.s;
     w2 = st.t - 1.0f;
-    w3 = Float4(0.0f) - st.t;
+    w3 = Float8(0.0f) - st.t;
   } else {
-    const Barycentric4 b = ClosestOnTriangle(p0, p1, p2, p3);
+    const Barycentric<Float8> b = ClosestOnTriangle(p0, p1, p2, p3);
     w0 = 1.0f;
-    w1 = Float4(0.0f) - b.a;
-    w2 = Float4(0.0f) - b.b;
-    w3 = Float4(0.0f) - b.c;
+    w1 = Float8(0.0f) - b.a;
+    w2 = Float8(0.0f) - b.b;
+    w3 = Float8(0.0f) - b.c;
   }
   // Differences, not positions, are weighted: the weights' sum is zero, and far
   // from the origin the positions' rounding would show.
-  const Vec3x4 gap = contacts[0]->edges ? (p0 - p2) + (p1 - p0) * w1 + (p3 - p2) * w3
+  const Vec3x8 gap = contacts[0]->edges ? (p0 - p2) + (p1 - p0) * w1 + (p3 - p2) * w3
                                         : (p0 - p1) + (p2 - p1) * w2 + (p3 - p1) * w3;
-  const Float4 distance = Sqrt(Dot(gap, gap));
-  const Vec3x4 normal = gap * (Float4(1.0f) / Max(distance, 1e-12f));
-  Float4 rows[4] = {normal.x, normal.y, normal.z, Float4()};
-  Transpose(rows[0], rows[1], rows[2], rows[3]);
-  Transpose(w0, w1, w2, w3);
-  const Float4 weights[4] = {w0, w1, w2, w3};
-  alignas(16) float length[4];
+  const Float8 distance = Sqrt(Dot(gap, gap));
+  const Vec3x8 normal = gap * (Float8(1.0f) / Max(distance, 1e-12f));
+  Float8 rows[4] = {normal.x, normal.y, normal.z, Float8()};
+  TransposeHalves(rows[0], rows[1], rows[2], rows[3]);
+  TransposeHalves(w0, w1, w2, w3);
+  const Float8 weights[4] = {w0, w1, w2, w3};
+  alignas(32) float length[kLanes];
   distance.Store(length);
-  for (int k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
     Contact& c = *contacts[k];
-    rows[k].Store(c.normal.data());
-    alignas(16) float w[4];
-    weights[k].Store(w);
-    c.weight = {w[0], w[1], w[2], w[3]};
+    const bool low = k < 4;
+    (low ? rows[k].low() : rows[k - 4].high()).Store(c.normal.data());
+    Storeu(low ? weights[k].low() : weights[k - 4].high(), c.weight.data());
     c.gap_m = length[k];
     if (length[k] > 1e-9f) continue;
     // Touching exactly: any direction across the second element will do.
@@ -227,38 +271,35 @@ void SelfContact::Place(const std::array<Contact*, 4>& contacts, const Vec4Array
 // Copies what of a contact is looked at in every substep. Past the last contact: the last again.
 void SelfContact::SetPlane(std::size_t contact) {
   const Contact& c = contacts_[std::min(contact, contacts_.size() - 1)];
-  Planes& p = planes_[contact / 4];
-  const std::size_t k = contact % 4;
+  Planes& p = planes_[contact / kLanes];
+  const std::size_t k = contact % kLanes;
   p.nx[k] = c.normal[0], p.ny[k] = c.normal[1], p.nz[k] = c.normal[2];
   p.w1[k] = c.weight[1], p.w2[k] = c.weight[2], p.w3[k] = c.weight[3];
   p.edges[k] = c.edges ? 1.0f : 0.0f;
   p.gap[k] = p.clear[k] = c.gap_m;
   alignas(16) float accepted[4];
-  AcceptedClearance(c.gap_m).Store(accepted);
+  AcceptedClearance(thickness_m_, Float4(c.gap_m)).Store(accepted);
   p.accepted[k] = accepted[0];
   for (int j = 0; j < 4; ++j) p.node[j][k] = c.node[j];
 }
 
 namespace {
 
-// Heights of four contacts' nodes above their node 0, along their normals.
+// Heights of contacts' nodes above their node 0, along their normals.
 template <class Planes>
 struct Heights {
-  Float4 h1, h2, h3, edges;
+  Float8 h1, h2, h3, edges;
   Heights(const Planes& p, const Vec4Array& x) {
-    const auto at = [&](int k) {
-      const auto& n = p.node[k];
-      return Gather(x.data(), n[0], n[1], n[2], n[3]);
-    };
-    const Vec3x4 n = {Lanes(p.nx), Lanes(p.ny), Lanes(p.nz)}, p0 = at(0);
+    const auto at = [&](int k) { return Gather(x.data(), p.node[k]); };
+    const Vec3x8 n = {Lanes(p.nx), Lanes(p.ny), Lanes(p.nz)}, p0 = at(0);
     h1 = Dot(n, at(1) - p0);
     h2 = Dot(n, at(2) - p0);
     h3 = Dot(n, at(3) - p0);
-    edges = Float4(0.0f) < Lanes(p.edges);
+    edges = Float8(0.0f) < Lanes(p.edges);
   }
   // Lowest node of the first element over the highest of the second.
-  Float4 Clearance() const {
-    const Float4 low = Select(edges, Min(h1, 0.0f), 0.0f);
+  Float8 Clearance() const {
+    const Float8 low = Select(edges, Min(h1, 0.0f), 0.0f);
     return low - Max(Max(h2, h3), Select(edges, h2, h1));
   }
 };
@@ -272,24 +313,21 @@ void SelfContact::Measure(const Vec4Array& x) {
   violated_.clear();
   for (std::size_t g = 0; g < planes_.size(); ++g) {
     Planes& p = planes_[g];
-    const Float4 gap = Lanes(p.end_gap), clear = Lanes(p.end_clear);
+    const Float8 gap = Lanes(p.end_gap), clear = Lanes(p.end_clear);
     gap.Store(p.gap.data());
     clear.Store(p.clear.data());
-    AcceptedClearance(clear).Store(p.accepted.data());
-    const int turned = Bits(clear < gap * kTilted);
-    for (std::size_t k = 0; turned != 0 && k < 4 && 4 * g + k < count; ++k) {
-      if (turned >> k & 1) violated_.push_back(static_cast<int>(4 * g + k));
-    }
+    AcceptedClearance(thickness_m_, clear).Store(p.accepted.data());
+    List(Bits(clear < gap * kTilted), kLanes * g, count, violated_);
   }
-  std::array<Contact*, 4> four{};
+  std::array<Contact*, kLanes> some{};
   for (const bool edges : {false, true}) {
-    int filled = 0;
+    std::size_t filled = 0;
     const auto flush = [&] {
       if (filled == 0) return;
-      for (int k = filled; k < 4; ++k) four[k] = four[0];
-      Place(four, x);
-      for (int k = 0; k < filled; ++k) {
-        const auto at = static_cast<std::size_t>(four[k] - contacts_.data());
+      for (std::size_t k = filled; k < kLanes; ++k) some[k] = some[0];
+      Place(some, x);
+      for (std::size_t k = 0; k < filled; ++k) {
+        const auto at = static_cast<std::size_t>(some[k] - contacts_.data());
         SetPlane(at);
         if (at < force_count_) slipped_[at].setZero();  // of other points
       }
@@ -297,8 +335,8 @@ void SelfContact::Measure(const Vec4Array& x) {
     };
     for (const int i : violated_) {
       if (contacts_[i].edges != edges) continue;
-      four[filled++] = &contacts_[i];
-      if (filled == 4) flush();
+      some[filled++] = &contacts_[i];
+      if (filled == kLanes) flush();
     }
     flush();
   }
@@ -320,7 +358,7 @@ void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float
   returned_ = std::min(kReturned_1_s * h, kMostReturned);
   for (std::size_t i = 0; i < force_count_; ++i) {
     Contact& c = contacts_[i];
-    c.gap_m = planes_[i / 4].gap[i % 4];
+    c.gap_m = planes_[i / kLanes].gap[i % kLanes];
     c.target_m = std::min(c.kept_m, c.gap_m + separation_m);
   }
 }
@@ -401,12 +439,6 @@ float SelfContact::LeastClearance(float clear_m) const {
   return std::min(0.1f * thickness_m_, std::max(0.5f * clear_m, kLeastKept_m));
 }
 
-// Planes that leave less are pushed apart; nothing is taken from what never shrinks.
-Float4 SelfContact::AcceptedClearance(Float4 clear_m) const {
-  const Float4 least = Min(0.1f * thickness_m_, Max(clear_m * 0.5f, kLeastKept_m));
-  return gusset::Select(clear_m <= kLeastKept_m, clear_m, least * 0.9f);
-}
-
 // The extreme nodes' distance along the normal: positive while a plane
 // separates the elements.
 float SelfContact::Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const {
@@ -434,14 +466,11 @@ bool SelfContact::FindViolated(const Vec4Array& x) {
   for (std::size_t g = 0; g < planes_.size(); ++g) {
     Planes& p = planes_[g];
     const Heights<Planes> h(p, x);
-    const Float4 clear = h.Clearance();
+    const Float8 clear = h.Clearance();
     // The next substep starts from here.
     (h.h1 * Lanes(p.w1) + h.h2 * Lanes(p.w2) + h.h3 * Lanes(p.w3)).Store(p.end_gap.data());
     clear.Store(p.end_clear.data());
-    const int lacking = Bits(clear < Lanes(p.accepted));
-    for (std::size_t k = 0; lacking != 0 && k < 4 && 4 * g + k < count; ++k) {
-      if (lacking >> k & 1) violated_.push_back(static_cast<int>(4 * g + k));
-    }
+    List(Bits(clear < Lanes(p.accepted)), kLanes * g, count, violated_);
   }
   return !violated_.empty();
 }

@@ -71,9 +71,10 @@ class SelfContact {
     std::array<std::uint16_t, 2> element = {};  ///< As ElementPair's.
     bool edges = false;
   };
-  /// What is looked at in every substep, of four contacts, side by side: a third of their bytes.
-  struct alignas(16) Planes {
-    using Lanes = std::array<float, 4>;
+  static constexpr std::size_t kLanes = 8;
+  /// What is looked at in every substep, of eight contacts, side by side: a third of their bytes.
+  struct alignas(32) Planes {
+    using Lanes = std::array<float, kLanes>;
     Lanes nx, ny, nz;          ///< Normals.
     Lanes w1, w2, w3;          ///< Weights of nodes 1 to 3.
     Lanes edges;               ///< 1: edge against edge, 0: node against triangle.
@@ -81,7 +82,7 @@ class SelfContact {
                                ///< elements' extreme nodes.
     Lanes end_gap, end_clear;  ///< The same where FindViolated last looked.
     Lanes accepted;            ///< Clearance that the substep's end must leave.
-    std::array<std::array<std::uint16_t, 4>, 4> node;  ///< [corner][lane]
+    std::array<std::array<std::uint16_t, kLanes>, 4> node;  ///< [corner][lane]
   };
 
   void Search(const Vec4Array& x, const Vec4Array& v);
@@ -89,13 +90,15 @@ class SelfContact {
   template <bool edges>
   void SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x);
   void SearchAlong(const Vec4Array& x_prev, const Vec4Array& x, float h, bool far);
-  void Place(const std::array<Contact*, 4>& contacts, const Vec4Array& x) const;
+  void Place(const std::array<Contact*, kLanes>& contacts, const Vec4Array& x) const;
   void Measure(const Vec4Array& x);
-  float KeptDistance(const Contact& c, const Vec4Array& x) const;
+  bool IsClosest(const Contact& c, const Vec4Array& x) const;
+  void KeepByRidges(const Vec4Array& x);
   float Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const;
   float LeastClearance(float clear_m) const;
-  Float4 AcceptedClearance(Float4 clear_m) const;
-  float clear_m(std::size_t contact) const { return planes_[contact / 4].clear[contact % 4]; }
+  float clear_m(std::size_t contact) const {
+    return planes_[contact / kLanes].clear[contact % kLanes];
+  }
   void SetPlane(std::size_t contact);
   bool FindViolated(const Vec4Array& x);
   bool PushApart(const std::vector<float>& inv_mass, Vec4Array& x);
@@ -119,10 +122,14 @@ class SelfContact {
   std::vector<Planes> planes_;         ///< Of all contacts, in their order; the last ones repeated.
   // Scratch.
   Vec4Array v_;
-  Vec4Array from_, to_;  ///< Displacements since the search, now and at the near
-                         ///< forecast's end.
+  /// Displacements since the search, now and at the near forecast's end, whose margin rides along.
+  struct alignas(32) Moves {
+    std::array<float, 4> now, end;
+  };
+  std::vector<Moves> moves_;
   Sieve<int> near_pairs_;
   std::vector<Contact> guards_, picked_;
+  std::vector<Contact*> asked_;  ///< Of picked_: those whose force depends on the bend.
   std::vector<float> approach_m_;
   std::vector<int> violated_;
   long detections_ = 0;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 namespace gusset {
@@ -62,19 +63,29 @@ inline float Sum3(Float4 a) {
   return _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(a.v, second), third));
 }
 
-/// Four 3-vectors, component by component.
-struct Vec3x4 {
-  Float4 x, y, z;
+/// As many 3-vectors as F has lanes, component by component.
+template <class F>
+struct Vec3Lanes {
+  F x, y, z;
 };
+using Vec3x4 = Vec3Lanes<Float4>;
 
-inline Vec3x4 operator+(const Vec3x4& a, const Vec3x4& b) {
+template <class F>
+Vec3Lanes<F> operator+(const Vec3Lanes<F>& a, const Vec3Lanes<F>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-inline Vec3x4 operator-(const Vec3x4& a, const Vec3x4& b) {
+template <class F>
+Vec3Lanes<F> operator-(const Vec3Lanes<F>& a, const Vec3Lanes<F>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline Vec3x4 operator*(const Vec3x4& a, Float4 s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Float4 Dot(const Vec3x4& a, const Vec3x4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <class F>
+Vec3Lanes<F> operator*(const Vec3Lanes<F>& a, std::type_identity_t<F> s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+template <class F>
+F Dot(const Vec3Lanes<F>& a, const Vec3Lanes<F>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 /// Rows of a 4x4 matrix become its columns.
 inline void Transpose(Float4& a, Float4& b, Float4& c, Float4& d) {

@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "sim/cloth/closest_points.h"
+#include "sim/cloth/simd8.h"
 
 namespace gusset {
 namespace {
@@ -31,7 +32,7 @@ TEST(ClosestOnTriangle, IsAsCloseAsTheBestOfAGrid) {
   for (int trial = 0; trial < 500; ++trial) {
     const Vec4f p = RandomPoint(rng), a = RandomPoint(rng), b = RandomPoint(rng),
                 c = RandomPoint(rng);
-    const Barycentric4 w =
+    const Barycentric<Float4> w =
         ClosestOnTriangle(Everywhere(p), Everywhere(a), Everywhere(b), Everywhere(c));
     const float wa = Lane0(w.a), wb = Lane0(w.b), wc = Lane0(w.c);
     EXPECT_NEAR(wa + wb + wc, 1.0f, 1e-5f);
@@ -54,7 +55,7 @@ TEST(ClosestOnSegments, AreAsCloseAsTheBestOfAGrid) {
   for (int trial = 0; trial < 500; ++trial) {
     const Vec4f a = RandomPoint(rng), b = RandomPoint(rng), c = RandomPoint(rng),
                 d = RandomPoint(rng);
-    const SegmentPoints4 w =
+    const SegmentPoints<Float4> w =
         ClosestOnSegments(Everywhere(a), Everywhere(b), Everywhere(c), Everywhere(d));
     const float s = Lane0(w.s), t = Lane0(w.t);
     EXPECT_TRUE(s >= 0 && s <= 1 && t >= 0 && t <= 1);
@@ -73,10 +74,39 @@ TEST(ClosestOnSegments, AreAsCloseAsTheBestOfAGrid) {
 
 TEST(ClosestOnSegments, OfParallelOnesLieInTheMiddleOfTheirOverlap) {
   const Vec4f a(0, 0, 0, 0), b(0.02f, 0, 0, 0), c(0.01f, 0.002f, 0, 0), d(0.03f, 0.002f, 0, 0);
-  const SegmentPoints4 w =
+  const SegmentPoints<Float4> w =
       ClosestOnSegments(Everywhere(a), Everywhere(b), Everywhere(c), Everywhere(d));
   EXPECT_NEAR(Lane0(w.s), 0.75f, 1e-5f);
   EXPECT_NEAR(Lane0(w.t), 0.25f, 1e-5f);
+}
+
+// Eight lanes are two times four: the same bits, so that results do not depend on what a build
+// uses.
+TEST(ClosestPoints, OfEightAreThoseOfFourAndFour) {
+  Rng rng(3);
+  for (int trial = 0; trial < 100; ++trial) {
+    std::array<Vec4Array, 4> p;  // [corner][lane]
+    for (Vec4Array& corner : p) {
+      for (int lane = 0; lane < 8; ++lane) corner.push_back(RandomPoint(rng));
+    }
+    const std::array<int, 8> all = {0, 1, 2, 3, 4, 5, 6, 7};
+    const auto at8 = [&](int k) { return Gather(p[k].data(), all); };
+    const auto at4 = [&](int k, int from) {
+      return Gather(p[k].data(), from, from + 1, from + 2, from + 3);
+    };
+    const Barycentric<Float8> b = ClosestOnTriangle(at8(0), at8(1), at8(2), at8(3));
+    const SegmentPoints<Float8> w = ClosestOnSegments(at8(0), at8(1), at8(2), at8(3));
+    for (const int from : {0, 4}) {
+      const auto half = [&](Float8 v) { return from == 0 ? v.low() : v.high(); };
+      const Barycentric<Float4> b4 =
+          ClosestOnTriangle(at4(0, from), at4(1, from), at4(2, from), at4(3, from));
+      const SegmentPoints<Float4> w4 =
+          ClosestOnSegments(at4(0, from), at4(1, from), at4(2, from), at4(3, from));
+      const Float4 same = (half(b.a) == b4.a) & (half(b.b) == b4.b) & (half(b.c) == b4.c) &
+                          (half(w.s) == w4.s) & (half(w.t) == w4.t);
+      EXPECT_EQ(Bits(same), 15) << trial;
+    }
+  }
 }
 
 }  // namespace

@@ -89,8 +89,8 @@ Lists All(const ClothMesh& mesh, const Vec4Array& x) {
   for (int n = 0; n < mesh.node_count(); ++n) {
     for (const auto& t : mesh.triangles) {
       if (n == t[0] || n == t[1] || n == t[2]) continue;
-      const Barycentric4 at = ClosestOnTriangle(Everywhere(x[n]), Everywhere(x[t[0]]),
-                                                Everywhere(x[t[1]]), Everywhere(x[t[2]]));
+      const Barycentric<Float4> at = ClosestOnTriangle(Everywhere(x[n]), Everywhere(x[t[0]]),
+                                                       Everywhere(x[t[1]]), Everywhere(x[t[2]]));
       const float a = First(at.a), b = First(at.b), c = First(at.c);
       const Vec4f gap = x[n] - a * x[t[0]] - b * x[t[1]] - c * x[t[2]];
       lists.node_triangle[{id(n), id(t[0]), id(t[1]), id(t[2])}] = {gap.norm(), false,
@@ -102,8 +102,8 @@ Lists All(const ClothMesh& mesh, const Vec4Array& x) {
     for (std::size_t j = i + 1; j < mesh.edges.size(); ++j) {
       const auto &p = mesh.edges[i], &q = mesh.edges[j];
       if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) continue;
-      const SegmentPoints4 at = ClosestOnSegments(Everywhere(x[p[0]]), Everywhere(x[p[1]]),
-                                                  Everywhere(x[q[0]]), Everywhere(x[q[1]]));
+      const SegmentPoints<Float4> at = ClosestOnSegments(Everywhere(x[p[0]]), Everywhere(x[p[1]]),
+                                                         Everywhere(x[q[0]]), Everywhere(x[q[1]]));
       const float s = First(at.s), t = First(at.t);
       const Vec4f gap = x[p[0]] + s * (x[p[1]] - x[p[0]]) - x[q[0]] - t * (x[q[1]] - x[q[0]]);
       lists.edge_edge[{id(p[0]), id(p[1]), id(q[0]), id(q[1])}] = {
