@@ -285,13 +285,13 @@ TEST_F(BaggingEnvTest, GraspLiftPullsTheEdgeOutwardsByPullWhereTheArmReaches) {
   for (const int end : {7, 11, 15, 19}) EXPECT_NEAR(path[end].head<2>().norm(), 0.15, 1e-9);
 }
 
-TEST_F(BaggingEnvTest, GraspLiftStaysWithinTheLiftColumnAndTheHeightOverTheCentre) {
-  (void)Act(0, 0, 1);
-  const Eigen::Vector3d edge = env_.before().edge_points[0].p_W;
-  const std::vector<Eigen::Vector3d> path = Path();
-  EXPECT_NEAR((path.front() - edge).head<2>().norm(), 0, 1e-12)
-      << "begins above the edge at its point";
-  for (const Eigen::Vector3d& p : path) EXPECT_LE(p.z(), 0.36);
+TEST_F(BaggingEnvTest, GraspLiftBeginsAboveTheEdgeAtItsPoint) {
+  for (const int point : {0, 5, 8}) {
+    (void)Act(0, point * 9, 1);
+    const Eigen::Vector3d edge = env_.before().edge_points[point].p_W;
+    EXPECT_NEAR((Path().front() - edge).head<2>().norm(), 0, 1e-12);
+    EXPECT_GE(Path().front().z(), config_.motion.approach_m);
+  }
 }
 
 TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointTowardsTheTarget) {
@@ -370,13 +370,20 @@ TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
     const Eigen::Vector2d place = env_.before().place_points[point].p_W.head<2>();
     const Move* slide = nullptr;
     const Move* before = nullptr;
+    double picked_z = 0;
     for (std::size_t i = 1; i < rig_.moves.size(); ++i) {
-      if (rig_.moves[i].kind != Move::kUntilContact) continue;
+      const Move& move = rig_.moves[i];
+      if (move.kind == Move::kFingers && move.value == 0) picked_z = move.X_WT.translation().z();
+      if (move.kind != Move::kUntilContact) continue;
       slide = &rig_.moves[i];
       before = &rig_.moves[i - 1];
     }
     ASSERT_NE(slide, nullptr);
     EXPECT_EQ(slide->value, config_.pick_place.slide_force_N);
+    for (const Move* move : {before, slide}) {
+      EXPECT_NEAR(move->X_WT.translation().z() - picked_z, config_.pick_place.slide_height_m,
+                  1e-12);
+    }
     const Eigen::Vector2d down = before->X_WT.translation().head<2>();
     const double inset = (lips.near.p_W.head<2>() - down).dot(outward);
     // Not beyond the lip; straight inwards; the fingers beside the cube, not before it.
@@ -442,25 +449,37 @@ TEST_F(BaggingEnvTest, PickPlaceLaysABagFlatWhoseLabelsDoNotGoRoundAMouth) {
 TEST_F(BaggingEnvTest, PickPlaceDrawsTheInnerSideOfANarrowMouthAwayFromTheOther) {
   config_.pick_place.room_m = 0.1;
   config_.pick_place.slit_m = 0;
-  for (const double back_deg : {0.0, 90.0}) {
+  (void)env_.Begin("2", 5);
+  const Eigen::Vector2d outward = env_.before().rim->outward_W.head<2>();
+  Eigen::Vector2d inner = env_.before().width->sides[0].p_W.head<2>();
+  Eigen::Vector2d outer = env_.before().width->sides[1].p_W.head<2>();
+  if (inner.dot(outward) > outer.dot(outward)) std::swap(inner, outer);
+  const Eigen::Vector2d way = (inner - outer).normalized();
+  const double off_deg = std::acos(-way.dot(outward)) * 180 / std::numbers::pi;
+  ASSERT_GT(config_.scratch_drag.drag_least_m - (inner - outer).norm(), config_.pick_place.widen_m);
+  for (const double back_deg : {off_deg - 0.1, off_deg + 0.1}) {
     config_.pick_place.back_deg = back_deg;
-    BaggingEnv env(rig_, rig_, rig_, rig_, config_);
-    (void)env.Begin("2", 5);
-    ASSERT_EQ(env.Act(5).log["note"], "mouth widened instead");
-    const Eigen::Vector2d outward = env.before().rim->outward_W.head<2>();
-    Eigen::Vector2d inner = env.before().width->sides[0].p_W.head<2>();
-    Eigen::Vector2d outer = env.before().width->sides[1].p_W.head<2>();
-    if (inner.dot(outward) > outer.dot(outward)) std::swap(inner, outer);
-    const Eigen::Vector2d way = (inner - outer).normalized();
-    const std::vector<Eigen::Vector3d> path = HeldPath();
-    const Eigen::Vector2d grasp = inner + config_.pick_place.grasp_inset_m * way;
-    EXPECT_NEAR((path.front().head<2>() - grasp).norm(), 0, 1e-9);
-    // As far as an opening if that is the way back from the rim, which within 90 degrees all is.
-    const double drawn = back_deg > 0 ? config_.scratch_drag.drag_least_m - (inner - outer).norm()
-                                      : config_.pick_place.widen_m;
-    ASSERT_GT(config_.scratch_drag.drag_least_m - (inner - outer).norm(),
-              config_.pick_place.widen_m);
-    EXPECT_NEAR((path.back().head<2>() - (grasp + drawn * way)).norm(), 0, 1e-9);
+    for (const double lift_m : {0.03, 0.05}) {
+      config_.pick_place.widen_lift_m = lift_m;
+      BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+      rig_.moves.clear();
+      (void)env.Begin("2", 5);
+      ASSERT_EQ(env.Act(5).log["note"], "mouth widened instead");
+      const std::vector<Eigen::Vector3d> path = HeldPath();
+      const Eigen::Vector2d grasp = inner + config_.pick_place.grasp_inset_m * way;
+      EXPECT_NEAR((path.front().head<2>() - grasp).norm(), 0, 1e-9);
+      // As far as an opening if that is the way back from the rim.
+      const double drawn = back_deg > off_deg
+                               ? config_.scratch_drag.drag_least_m - (inner - outer).norm()
+                               : config_.pick_place.widen_m;
+      EXPECT_NEAR((path.back().head<2>() - (grasp + drawn * way)).norm(), 0, 1e-9);
+      double touched = 1, highest = 0;
+      for (const Move& move : rig_.moves) {
+        if (move.kind == Move::kUntilContact) touched = move.X_WT.translation().z();
+      }
+      for (const Eigen::Vector3d& p : path) highest = std::max(highest, p.z());
+      EXPECT_NEAR(highest - touched, lift_m, 1e-9);
+    }
   }
 }
 

@@ -55,11 +55,23 @@ TEST_F(Replay, ADamagedLogIsRefusedWithItsLine) {
   EXPECT_THROW((void)ReadLoggedSteps(dir_ / "run" / "steps.jsonl"), InputError);
 }
 
-TEST_F(Replay, PlotsAreDrawnFromTheLog) {
+TEST_F(Replay, ALearningCurveShowsTheRewardsOfLearntStepsAlone) {
   Train("pools");
-  const std::vector<LoggedStep> steps = ReadLoggedSteps(dir_ / "run" / "steps.jsonl");
+  std::vector<LoggedStep> steps = ReadLoggedSteps(dir_ / "run" / "steps.jsonl");
   const cv::Mat curve = DrawLearningCurve(steps, 4);
   EXPECT_EQ(curve.size(), cv::Size(800, 500));
+  const auto differs = [&] {
+    return cv::norm(curve, DrawLearningCurve(steps, 4), cv::NORM_INF) > 0;
+  };
+  const auto first = [&](bool learnt) {
+    return std::find_if(steps.begin(), steps.end(),
+                        [&](const LoggedStep& step) { return step.learnt == learnt; });
+  };
+  ASSERT_NE(first(false), steps.end());
+  first(false)->reward += 5;
+  EXPECT_FALSE(differs());
+  first(true)->reward += 5;
+  EXPECT_TRUE(differs());
   EXPECT_FALSE(DrawLearningCurve({}, 4).empty()) << "an empty run has a picture too";
 }
 

@@ -43,8 +43,8 @@ TEST(Calibration, OfBag1GivesItsOwnThresholds) {
 }
 
 TEST(Calibration, FoldedBagsAmongTheLooksChangeNothing) {
-  std::vector<Observation> looks = {FlatLook({}), FlatLook({{310, 236}, 0.2}), FlatLook({{}, 0})};
-  looks[2] = FlatLook({{330, 238}, -0.2});
+  std::vector<Observation> looks = {FlatLook({}), FlatLook({{310, 236}, 0.2}),
+                                    FlatLook({{330, 238}, -0.2})};
   const double alone = CalibrateThresholds(looks, 5).thresholds.A_th;
   looks.insert(looks.begin(), 2, FoldedLook());
   EXPECT_EQ(CalibrateThresholds(looks, 5).thresholds.A_th, alone);

@@ -313,13 +313,16 @@ TEST(Perceive, LipsAreTheMiddlesOfTheLabelsNearTheRimAndFarFromIt) {
   EXPECT_FALSE(Look(FrameOf(0)).lips);
 }
 
-TEST(Perceive, FoldedPointsDependOnYawButNotOnPosition) {
+TEST(Perceive, FoldedPointsMoveWithTheBagAndKeepTheirOrderWhenItTurns) {
   const Observation middle = Look(FrameOf(0));
   const Observation moved = Look(FrameOf(0, {{350, 215}}));
   ExpectNear(Pixels(moved.grasp_points), Expected(middle.grasp_points, {{350, 215}}), 1e-9);
   // Numbered from the upper right to the left.
-  EXPECT_GT(middle.grasp_points[0].px.x, middle.grasp_points[2].px.x);
-  EXPECT_LT(middle.grasp_points[0].px.y, middle.grasp_points[8].px.y);
+  for (const double yaw : {0.0, 0.7, -2.0}) {
+    const std::vector<cv::Point2d> px = Pixels(Look(FrameOf(0, {{322, 241}, yaw})).grasp_points);
+    for (const int k : {0, 1, 3, 4, 6, 7}) EXPECT_GT(px[k].x, px[k + 1].x + 5) << yaw;
+    for (const int k : {0, 1, 2, 3, 4, 5}) EXPECT_LT(px[k].y, px[k + 3].y - 5) << yaw;
+  }
 }
 
 TEST(Perceive, EdgePointsLieJustInsideTheClothBeyondTheirFoldedPoints) {

@@ -135,8 +135,7 @@ TEST(State, FigureFiveTwoHasItsStates) {
   EXPECT_EQ(StateOf(evidence), State::kFilled);
 }
 
-/// The table of docs/loop.md, row by row: how many rows give each combination, first match
-/// wins, and what state that is.
+/// The table of docs/loop.md, row by row: the first that holds.
 State ByTable(const Evidence& e, const BagThresholds& t) {
   const bool mouth = e.labels_seen >= 3;
   const bool cube_nowhere = !e.cube_seen && e.has_surroundings;
