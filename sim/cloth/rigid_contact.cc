@@ -255,17 +255,18 @@ void RigidContact::SolveEdges(const Substep& substep, const std::vector<int>& tr
   }
 }
 
-// Whether cloth fills the column from p down to the table.
-bool RigidContact::BorneByTable(const Vec4Array& x, const Vec3f& p) const {
-  float area_m2 = 0;
-  for (const Sample& m : samples_) {
-    const Vec3f q = m.At(x);
-    if (q.z() > p.z() || (q - p).head<2>().squaredNorm() > kColumn_m * kColumn_m) continue;
-    area_m2 += sample_area_m2_;
-  }
+// Whether cloth, whose samples are at `samples`, fills the column from p down to the table.
+bool RigidContact::BorneByTable(const Vec3Array& samples, const Vec3f& p) const {
   const float height_m = p.z() + gap_m_;
   const float column_m3 = std::numbers::pi_v<float> * kColumn_m * kColumn_m * height_m;
-  return area_m2 * 2 * gap_m_ > kBearingShare * column_m3;
+  const float enough_m3 = kBearingShare * column_m3;
+  const float sample_m3 = sample_area_m2_ * 2 * gap_m_;
+  if (sample_m3 * static_cast<float>(samples.size()) <= enough_m3) return false;
+  int inside = 0;
+  for (const Vec3f& q : samples) {
+    inside += (q.z() <= p.z()) & ((q - p).head<2>().squaredNorm() <= kColumn_m * kColumn_m);
+  }
+  return sample_m3 * static_cast<float>(inside) > enough_m3;
 }
 
 // What contact could not push out of a kinematic body is caught between it and something else, and
@@ -276,6 +277,14 @@ bool RigidContact::BorneByTable(const Vec4Array& x, const Vec3f& p) const {
 // presses down on cloth that the table bears.
 void RigidContact::MeasureSqueeze(const Vec4Array& x, bool held,
                                   std::vector<RigidShape>& shapes) const {
+  Vec3Array samples;  // found when needed first
+  const auto borne_by_table = [&](const Vec3f& p) {
+    if (samples.empty()) {
+      samples.reserve(samples_.size());
+      for (const Sample& m : samples_) samples.push_back(m.At(x));
+    }
+    return BorneByTable(samples, p);
+  };
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     RigidShape& shape = shapes[s];
     if (shape.inv_mass != 0) continue;
@@ -292,7 +301,7 @@ void RigidContact::MeasureSqueeze(const Vec4Array& x, bool held,
       const float force = kCompression_N_m3 * sample_area_m2_ * overlap;
       if (n_S.x() < -0.7f) shape.squeeze_minus_x += force;
       const Vec3f n = shape.X_WS.linear() * n_S;
-      if (held && (n.z() > kDownwards || !BorneByTable(x, p))) continue;
+      if (held && (n.z() > kDownwards || !borne_by_table(p))) continue;
       shape.squeeze -= n * force;
     }
   }

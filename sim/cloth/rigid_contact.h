@@ -70,7 +70,7 @@ class RigidContact {
                   Vec4Array& x) const;
   void SolveSamples(const Substep& substep, const std::vector<int>& candidates, RigidShape& shape,
                     Vec4Array& x) const;
-  bool BorneByTable(const Vec4Array& x, const Vec3f& p) const;
+  bool BorneByTable(const Vec3Array& samples, const Vec3f& p) const;
 
   const ClothMesh& mesh_;
   float gap_m_;  ///< Between the cloth's mid-plane and a shape.
