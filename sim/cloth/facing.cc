@@ -104,8 +104,8 @@ void Facing::FindRidgeShares(const Vec4Array& x, EdgeQuery& query) const {
   const auto dot = [](const Vec3x8& a, const Vec3x8& b) {
     return a.x * b.x + a.z * b.z + a.y * b.y;
   };
-  std::array<int, kLanes> from, to, first, second;
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  std::array<int, kLanes8> from, to, first, second;
+  for (std::size_t k = 0; k < kLanes8; ++k) {
     const std::uint16_t edge = query.edge[k];
     from[k] = mesh_.edges[edge][0], to[k] = mesh_.edges[edge][1];
     first[k] = across_edge_[edge][0];
@@ -117,7 +117,7 @@ void Facing::FindRidgeShares(const Vec4Array& x, EdgeQuery& query) const {
   const Vec3x8 start = Gather(x.data(), from), side = Gather(x.data(), to) - start;
   const Float8 length2 = Max(dot(side, side), 1e-20f);
   // As Across.
-  const auto sine = [&](const std::array<int, kLanes>& beyond) {
+  const auto sine = [&](const std::array<int, kLanes8>& beyond) {
     const Vec3x8 to = Gather(x.data(), beyond) - start;
     const Vec3x8 off = to - side * (dot(to, side) / length2);
     const Float8 length = Max(Sqrt(dot(off, off)), 1e-12f);

@@ -29,16 +29,15 @@ class Facing {
   /// vector from that point to the node. True inside.
   bool IsClosest(int triangle, const std::array<float, 3>& barycentric, const Vec4f& outwards,
                  const Vec4Array& x) const;
-  /// The share of a thickness, 0 to 1, that each of some edges keeps from what lies along a unit
-  /// vector across it: 0 up to a fifth of ridge_sine() inside the edge's normal cone, 1 from
-  /// ridge_sine() on.
-  static constexpr std::size_t kLanes = 8;
+  /// Eight edges, a unit vector across each, and what FindRidgeShares answers.
   struct alignas(32) EdgeQuery {
-    using Lanes = std::array<float, kLanes>;
+    using Lanes = std::array<float, kLanes8>;
     Lanes outwards_x, outwards_y, outwards_z;
-    Lanes share;  ///< The answer.
-    std::array<std::uint16_t, kLanes> edge;
+    Lanes share;
+    std::array<std::uint16_t, kLanes8> edge;
   };
+  /// The share of a thickness, 0 to 1, that each edge keeps from what lies along its vector: 0 up
+  /// to a fifth of ridge_sine() inside the edge's normal cone, 1 from ridge_sine() on.
   void FindRidgeShares(const Vec4Array& x, EdgeQuery& query) const;
   /// Per edge: 1 if some direction lies in its cone far enough for it to keep anything, or one
   /// triangle alone has it. Edges that are flat now stay so until the next search.

@@ -10,8 +10,7 @@
 namespace gusset {
 namespace {
 
-constexpr std::size_t kLanes = Float8::kLanes;
-using Indices = std::array<int, kLanes>;
+using Indices = std::array<int, kLanes8>;
 
 Float8 Length(const Vec3x8& v) { return Sqrt(Dot(v, v)); }
 
@@ -21,7 +20,7 @@ Vec3x8 MaxAbs(const Vec3x8& a, const Vec3x8& b) {
 
 template <class Box>
 Float8 Corners(const Box& box) {
-  return Float8::Load(box.lo.data());
+  return Float8::Load(box.corners.data());
 }
 
 /// What another box touches that begins at or below this.
@@ -37,7 +36,7 @@ bool Touches(Float8 reach, const Box& box) {
 
 template <class Box>
 void Include(const Box& other, Box& box) {
-  Min(Corners(box), Corners(other)).Store(box.lo.data());
+  Min(Corners(box), Corners(other)).Store(box.corners.data());
 }
 
 }  // namespace
@@ -156,7 +155,7 @@ void PairSearch::Refit(const MotionForecast& forecast) {
     const Float4 to = from + Float4::Load(way[i].data());
     const Float4 grow = half + way[i][3];
     const Float4 lo = Min(from, to) - grow, hi = Max(from, to) + grow;
-    Float8(lo, Float4(0.0f) - hi).Store(node_box_[i].lo.data());
+    Float8(lo, Float4(0.0f) - hi).Store(node_box_[i].corners.data());
   }
   facing_.FindRidges(start, ridge_);
   edge_box_.resize(mesh_.edges.size());
@@ -166,7 +165,7 @@ void PairSearch::Refit(const MotionForecast& forecast) {
     box = node_box_[mesh_.edges[i][0]];
     Include(node_box_[mesh_.edges[i][1]], box);
     // What carries no force is watched no further than that.
-    (Corners(box) + shrink[ridge_[i]]).Store(box.lo.data());
+    (Corners(box) + shrink[ridge_[i]]).Store(box.corners.data());
   }
   triangle_box_.resize(mesh_.triangles.size());
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
@@ -276,9 +275,9 @@ void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
   const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
   const std::size_t count = maybe_node_triangle_.size();
   out.Expect(count);
-  for (std::size_t i = 0; i < count; i += kLanes) {
+  for (std::size_t i = 0; i < count; i += kLanes8) {
     std::array<Indices, 4> n;  // [corner][lane]; node first
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes8; ++lane) {
       const IdPair& pair = maybe_node_triangle_[std::min(i + lane, count - 1)];
       const auto& t = mesh_.triangles[pair[1]];
       n[0][lane] = pair[0];
@@ -310,12 +309,12 @@ void PairSearch::MeasureNodeTriangle(const MotionForecast& forecast,
     const Float8 beside2 = Dot(gap, gap) - off * off / Max(Dot(normal, normal), 1e-20f);
     const int beside = Bits(approach * approach < beside2);
     const int watch = Bits(distance <= approach + mesh_.thickness_m * kGuardedShare);
-    alignas(32) float d[kLanes], wa[kLanes], wb[kLanes], wc[kLanes];
+    alignas(32) float d[kLanes8], wa[kLanes8], wb[kLanes8], wc[kLanes8];
     distance.Store(d);
     w.a.Store(wa);
     w.b.Store(wb);
     w.c.Store(wc);
-    for (std::size_t lane = 0; lane < std::min(kLanes, count - i); ++lane) {
+    for (std::size_t lane = 0; lane < std::min(kLanes8, count - i); ++lane) {
       const int triangle = maybe_node_triangle_[i + lane][1];
       const bool guard =
           (beside >> lane & 1) && !facing_.Owns(triangle, {wa[lane], wb[lane], wc[lane]});
@@ -334,10 +333,10 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
   const Vec4f *x = forecast.start().data(), *way = forecast.way().data();
   const std::size_t count = maybe_edges_.size();
   out.Expect(count);
-  for (std::size_t i = 0; i < count; i += kLanes) {
+  for (std::size_t i = 0; i < count; i += kLanes8) {
     std::array<Indices, 4> n;  // [end][lane]
-    alignas(32) float both_ridges[kLanes];
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    alignas(32) float both_ridges[kLanes8];
+    for (std::size_t lane = 0; lane < kLanes8; ++lane) {
       const IdPair& pair = maybe_edges_[std::min(i + lane, count - 1)];
       both_ridges[lane] = ridge_[pair[0]] & ridge_[pair[1]] ? 1.0f : 0.0f;
       n[0][lane] = mesh_.edges[pair[0]][0];
@@ -368,9 +367,9 @@ void PairSearch::MeasureEdgeEdge(const MotionForecast& forecast, Sieve<ElementPa
     const Float8 near = Select(force, mesh_.thickness_m, mesh_.thickness_m * kGuardedShare);
     const int keep = Bits(distance <= approach + near);
     if (keep == 0) continue;
-    alignas(32) float length[kLanes];
+    alignas(32) float length[kLanes8];
     distance.Store(length);
-    for (std::size_t lane = 0; lane < std::min(kLanes, count - i); ++lane) {
+    for (std::size_t lane = 0; lane < std::min(kLanes8, count - i); ++lane) {
       out.Offer({{static_cast<std::uint16_t>(n[0][lane]), static_cast<std::uint16_t>(n[1][lane]),
                   static_cast<std::uint16_t>(n[2][lane]), static_cast<std::uint16_t>(n[3][lane])},
                  length[lane],

@@ -42,10 +42,10 @@ class PairSearch {
   const Facing& facing() const { return facing_; }
 
  private:
-  /// Its low corner, and its high one negated: one register, and one comparison tells whether two
+  /// Its low corner, then its high one negated: one register, and one comparison tells whether two
   /// boxes touch.
   struct alignas(32) Box {
-    std::array<float, 4> lo, minus_hi;
+    std::array<float, kLanes8> corners;
   };
   struct TreeNode {
     int left = -1, right = -1, patch = -1;

@@ -36,7 +36,7 @@ constexpr float kPushBeyond_m = 2e-6f;
 
 Float4 Vector(const Vec4f& v) { return Float4::Load(v.data()); }
 
-Float8 Lanes(const std::array<float, 8>& lanes) { return Float8::Load(lanes.data()); }
+Float8 Lanes(const std::array<float, kLanes8>& lanes) { return Float8::Load(lanes.data()); }
 
 float Dot(Float4 a, Float4 b) { return Sum3(a * b); }
 
@@ -77,8 +77,8 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   moves_.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Float4 now = Vector(x[i]) - Vector(far_.start()[i]);
-    Float8(now, now + Vector(near_.way()[i])).Store(moves_[i].now.data());
-    moves_[i].end[3] = near_.way()[i][3];
+    Float8(now, now + Vector(near_.way()[i])).Store(moves_[i].now_end.data());
+    moves_[i].now_end[7] = near_.way()[i][3];
   }
   contacts_.clear();
   guards_.clear();
@@ -89,8 +89,8 @@ void SelfContact::Select(const Vec4Array& x, const Vec4Array& v) {
   slipped_.assign(force_count_, Vec4f::Zero());
   most_slipped_m_.assign(force_count_, 0.0f);
   contacts_.insert(contacts_.end(), guards_.begin(), guards_.end());
-  planes_.resize((contacts_.size() + kLanes - 1) / kLanes);
-  for (std::size_t i = 0; i < kLanes * planes_.size(); ++i) SetPlane(i);
+  planes_.resize((contacts_.size() + kLanes8 - 1) / kLanes8);
+  for (std::size_t i = 0; i < kLanes8 * planes_.size(); ++i) SetPlane(i);
   ++selections_;
 }
 
@@ -105,7 +105,7 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
   };
   const auto moves = [&](const ElementPair& pair) {
     std::array<Float8, 4> m;
-    for (int k = 0; k < 4; ++k) m[k] = Float8::Load(moves_[pair.node[k]].now.data());
+    for (int k = 0; k < 4; ++k) m[k] = Float8::Load(moves_[pair.node[k]].now_end.data());
     return m;
   };
   // Margins, in the last lane, add up the other way round.
@@ -159,9 +159,9 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
     approach_m_.push_back(std::sqrt(Dot(way, way)) + margin[3]);
   }
   if (picked_.empty()) return;
-  for (std::size_t i = 0; i < picked_.size(); i += kLanes) {
-    std::array<Contact*, kLanes> some;
-    for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t i = 0; i < picked_.size(); i += kLanes8) {
+    std::array<Contact*, kLanes8> some;
+    for (std::size_t k = 0; k < kLanes8; ++k) {
       some[k] = &picked_[std::min(i + k, picked_.size() - 1)];
     }
     Place(some, x);
@@ -199,10 +199,10 @@ void SelfContact::KeepByRidges(const Vec4Array& x) {
     if (c.kept_m > 0) asked_.push_back(&c);
   }
   // Both edges of four contacts at a time.
-  constexpr std::size_t kContacts = Facing::kLanes / 2;
+  constexpr std::size_t kContacts = kLanes8 / 2;
   for (std::size_t i = 0; i < asked_.size(); i += kContacts) {
     Facing::EdgeQuery query;
-    for (std::size_t lane = 0; lane < Facing::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes8; ++lane) {
       const Contact& c = *asked_[std::min(i + lane / 2, asked_.size() - 1)];
       const float sign = lane % 2 == 0 ? -1.0f : 1.0f;
       query.edge[lane] = c.element[lane % 2];
@@ -218,10 +218,10 @@ void SelfContact::KeepByRidges(const Vec4Array& x) {
 }
 
 // Closest points of eight pairs of one kind at x: weights, normal, distance.
-void SelfContact::Place(const std::array<Contact*, kLanes>& contacts, const Vec4Array& x) const {
+void SelfContact::Place(const std::array<Contact*, kLanes8>& contacts, const Vec4Array& x) const {
   const auto at = [&](int k) {
-    std::array<int, kLanes> n;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) n[lane] = contacts[lane]->node[k];
+    std::array<int, kLanes8> n;
+    for (std::size_t lane = 0; lane < kLanes8; ++lane) n[lane] = contacts[lane]->node[k];
     return Gather(x.data(), n);
   };
   const Vec3x8 p0 = at(0), p1 = at(1), p2 = at(2), p3 = at(3);
@@ -249,9 +249,9 @@ void SelfContact::Place(const std::array<Contact*, kLanes>& contacts, const Vec4
   TransposeHalves(rows[0], rows[1], rows[2], rows[3]);
   TransposeHalves(w0, w1, w2, w3);
   const Float8 weights[4] = {w0, w1, w2, w3};
-  alignas(32) float length[kLanes];
+  alignas(32) float length[kLanes8];
   distance.Store(length);
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t k = 0; k < kLanes8; ++k) {
     Contact& c = *contacts[k];
     const bool low = k < 4;
     (low ? rows[k].low() : rows[k - 4].high()).Store(c.normal.data());
@@ -271,8 +271,8 @@ void SelfContact::Place(const std::array<Contact*, kLanes>& contacts, const Vec4
 // Copies what of a contact is looked at in every substep. Past the last contact: the last again.
 void SelfContact::SetPlane(std::size_t contact) {
   const Contact& c = contacts_[std::min(contact, contacts_.size() - 1)];
-  Planes& p = planes_[contact / kLanes];
-  const std::size_t k = contact % kLanes;
+  Planes& p = planes_[contact / kLanes8];
+  const std::size_t k = contact % kLanes8;
   p.nx[k] = c.normal[0], p.ny[k] = c.normal[1], p.nz[k] = c.normal[2];
   p.w1[k] = c.weight[1], p.w2[k] = c.weight[2], p.w3[k] = c.weight[3];
   p.edges[k] = c.edges ? 1.0f : 0.0f;
@@ -317,14 +317,14 @@ void SelfContact::Measure(const Vec4Array& x) {
     gap.Store(p.gap.data());
     clear.Store(p.clear.data());
     AcceptedClearance(thickness_m_, clear).Store(p.accepted.data());
-    List(Bits(clear < gap * kTilted), kLanes * g, count, violated_);
+    List(Bits(clear < gap * kTilted), kLanes8 * g, count, violated_);
   }
-  std::array<Contact*, kLanes> some{};
+  std::array<Contact*, kLanes8> some{};
   for (const bool edges : {false, true}) {
     std::size_t filled = 0;
     const auto flush = [&] {
       if (filled == 0) return;
-      for (std::size_t k = filled; k < kLanes; ++k) some[k] = some[0];
+      for (std::size_t k = filled; k < kLanes8; ++k) some[k] = some[0];
       Place(some, x);
       for (std::size_t k = 0; k < filled; ++k) {
         const auto at = static_cast<std::size_t>(some[k] - contacts_.data());
@@ -336,7 +336,7 @@ void SelfContact::Measure(const Vec4Array& x) {
     for (const int i : violated_) {
       if (contacts_[i].edges != edges) continue;
       some[filled++] = &contacts_[i];
-      if (filled == kLanes) flush();
+      if (filled == kLanes8) flush();
     }
     flush();
   }
@@ -358,7 +358,7 @@ void SelfContact::Prepare(const Vec4Array& x, const Vec4Array& v, float h, float
   returned_ = std::min(kReturned_1_s * h, kMostReturned);
   for (std::size_t i = 0; i < force_count_; ++i) {
     Contact& c = contacts_[i];
-    c.gap_m = planes_[i / kLanes].gap[i % kLanes];
+    c.gap_m = planes_[i / kLanes8].gap[i % kLanes8];
     c.target_m = std::min(c.kept_m, c.gap_m + separation_m);
   }
 }
@@ -470,7 +470,7 @@ bool SelfContact::FindViolated(const Vec4Array& x) {
     // The next substep starts from here.
     (h.h1 * Lanes(p.w1) + h.h2 * Lanes(p.w2) + h.h3 * Lanes(p.w3)).Store(p.end_gap.data());
     clear.Store(p.end_clear.data());
-    List(Bits(clear < Lanes(p.accepted)), kLanes * g, count, violated_);
+    List(Bits(clear < Lanes(p.accepted)), kLanes8 * g, count, violated_);
   }
   return !violated_.empty();
 }

@@ -71,10 +71,9 @@ class SelfContact {
     std::array<std::uint16_t, 2> element = {};  ///< As ElementPair's.
     bool edges = false;
   };
-  static constexpr std::size_t kLanes = 8;
   /// What is looked at in every substep, of eight contacts, side by side: a third of their bytes.
   struct alignas(32) Planes {
-    using Lanes = std::array<float, kLanes>;
+    using Lanes = std::array<float, kLanes8>;
     Lanes nx, ny, nz;          ///< Normals.
     Lanes w1, w2, w3;          ///< Weights of nodes 1 to 3.
     Lanes edges;               ///< 1: edge against edge, 0: node against triangle.
@@ -82,7 +81,7 @@ class SelfContact {
                                ///< elements' extreme nodes.
     Lanes end_gap, end_clear;  ///< The same where FindViolated last looked.
     Lanes accepted;            ///< Clearance that the substep's end must leave.
-    std::array<std::array<std::uint16_t, kLanes>, 4> node;  ///< [corner][lane]
+    std::array<std::array<std::uint16_t, kLanes8>, 4> node;  ///< [corner][lane]
   };
 
   void Search(const Vec4Array& x, const Vec4Array& v);
@@ -90,14 +89,14 @@ class SelfContact {
   template <bool edges>
   void SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x);
   void SearchAlong(const Vec4Array& x_prev, const Vec4Array& x, float h, bool far);
-  void Place(const std::array<Contact*, kLanes>& contacts, const Vec4Array& x) const;
+  void Place(const std::array<Contact*, kLanes8>& contacts, const Vec4Array& x) const;
   void Measure(const Vec4Array& x);
   bool IsClosest(const Contact& c, const Vec4Array& x) const;
   void KeepByRidges(const Vec4Array& x);
   float Clearance(const Contact& c, const Vec4Array& x, int& first, int& second) const;
   float LeastClearance(float clear_m) const;
   float clear_m(std::size_t contact) const {
-    return planes_[contact / kLanes].clear[contact % kLanes];
+    return planes_[contact / kLanes8].clear[contact % kLanes8];
   }
   void SetPlane(std::size_t contact);
   bool FindViolated(const Vec4Array& x);
@@ -122,9 +121,10 @@ class SelfContact {
   std::vector<Planes> planes_;         ///< Of all contacts, in their order; the last ones repeated.
   // Scratch.
   Vec4Array v_;
-  /// Displacements since the search, now and at the near forecast's end, whose margin rides along.
+  /// A node's displacement since the search, now, then at the near forecast's end, whose margin
+  /// rides along.
   struct alignas(32) Moves {
-    std::array<float, 4> now, end;
+    std::array<float, kLanes8> now_end;
   };
   std::vector<Moves> moves_;
   Sieve<int> near_pairs_;

@@ -3,6 +3,7 @@
 #include <xmmintrin.h>
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 #include <vector>
@@ -13,6 +14,9 @@ namespace gusset {
 /// aligned load.
 using Vec4f = Eigen::Vector4f;
 using Vec4Array = std::vector<Vec4f>;
+
+/// Lanes of Float8 (simd8.h), for what headers lay out for it.
+constexpr std::size_t kLanes8 = 8;
 
 /// Four floats, or four truth values, one per lane. SSE only, which every
 /// x86-64 has, and no fused operations: a lane's bits are those of the same

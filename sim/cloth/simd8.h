@@ -21,7 +21,6 @@ inline namespace sse {
 /// Eight floats, or eight truth values: one register where the build has AVX2, two where it has
 /// not. Nothing is fused, so a lane's bits are the same either way, and Float4's.
 struct Float8 {
-  static constexpr int kLanes = 8;
 #ifdef __AVX2__
   __m256 v;
   Float8() : v(_mm256_setzero_ps()) {}
@@ -107,7 +106,7 @@ using Vec3x8 = Vec3Lanes<Float8>;
 
 /// The vectors at eight indices; `fourth` receives their fourth lanes.
 template <class Index>
-[[gnu::always_inline]] inline Vec3x8 Gather(const Vec4f* at, const std::array<Index, 8>& i,
+[[gnu::always_inline]] inline Vec3x8 Gather(const Vec4f* at, const std::array<Index, kLanes8>& i,
                                             Float8* fourth = nullptr) {
   const auto both = [&](int k) {
     return Float8(Float4::Load(at[i[k]].data()), Float4::Load(at[i[k + 4]].data()));
