@@ -28,11 +28,10 @@ struct TrainConfig {
   std::string protocol = "pools";
   int steps = 100;  ///< Learnt steps per state, N.
   int seed = 1;
-  int pool_min = 20;  ///< Bags a state's pool must hold before the state is trained.
-  int max_extra_actions =
-      1000;                   ///< In the whole run; beyond, "pools" makes do with the bags it has.
-  int max_actions = 20;       ///< Of one episode of protocol "chain".
-  std::string dump = "none";  ///< Whose frames are kept (agents/frame_dump.h).
+  int pool_min = 20;             ///< Bags a state's pool must hold before the state is trained.
+  int max_extra_actions = 1000;  ///< In the whole run; then "pools" makes do with what it has.
+  int max_actions = 20;          ///< Of one episode of protocol "chain".
+  std::string dump = "none";     ///< Whose frames are kept (agents/frame_dump.h).
 
   template <class V>
   void Fields(V& v) {

@@ -54,7 +54,6 @@ inline Float8 operator<(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CM
 inline Float8 operator<=(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_LE_OS); }
 inline Float8 operator==(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ); }
 inline Float8 operator&(Float8 a, Float8 b) { return _mm256_and_ps(a.v, b.v); }
-inline Float8 operator|(Float8 a, Float8 b) { return _mm256_or_ps(a.v, b.v); }
 inline Float8 Min(Float8 a, Float8 b) { return _mm256_min_ps(a.v, b.v); }
 inline Float8 Max(Float8 a, Float8 b) { return _mm256_max_ps(a.v, b.v); }
 inline Float8 Sqrt(Float8 a) { return _mm256_sqrt_ps(a.v); }
@@ -64,6 +63,7 @@ inline Float8 Negated(Float8 a) { return _mm256_xor_ps(_mm256_set1_ps(-0.0f), a.
 inline Float8 Select(Float8 mask, Float8 a, Float8 b) { return _mm256_blendv_ps(b.v, a.v, mask.v); }
 /// Bit k: lane k of a mask.
 inline int Bits(Float8 mask) { return _mm256_movemask_ps(mask.v); }
+/// High half first.
 inline Float8 HalvesSwapped(Float8 a) { return _mm256_permute2f128_ps(a.v, a.v, 1); }
 /// Rows of the 4x4 matrices in the low and in the high halves become their columns.
 inline void TransposeHalves(Float8& a, Float8& b, Float8& c, Float8& d) {
@@ -81,7 +81,6 @@ inline Float8 operator<(Float8 a, Float8 b) { return {a.lo < b.lo, a.hi < b.hi};
 inline Float8 operator<=(Float8 a, Float8 b) { return {a.lo <= b.lo, a.hi <= b.hi}; }
 inline Float8 operator==(Float8 a, Float8 b) { return {a.lo == b.lo, a.hi == b.hi}; }
 inline Float8 operator&(Float8 a, Float8 b) { return {a.lo & b.lo, a.hi & b.hi}; }
-inline Float8 operator|(Float8 a, Float8 b) { return {a.lo | b.lo, a.hi | b.hi}; }
 inline Float8 Min(Float8 a, Float8 b) { return {Min(a.lo, b.lo), Min(a.hi, b.hi)}; }
 inline Float8 Max(Float8 a, Float8 b) { return {Max(a.lo, b.lo), Max(a.hi, b.hi)}; }
 inline Float8 Sqrt(Float8 a) { return {Sqrt(a.lo), Sqrt(a.hi)}; }
