@@ -111,6 +111,19 @@ ClothMesh MakeMesh(const BagConfig& config, int layers) {
     for (int j = 0; j + 1 < nv; ++j) {
       for (int i = 0; i < nu; ++i) link_once(node(i, j), node(i, j + 1), dv);
     }
+    // Those of the seams are layer 0's.
+    for (int j = 0; j < nv; ++j) {
+      if (layer == 1 && is_seam(1, j)) continue;
+      ClothYarn& weft = mesh.yarns.emplace_back();
+      weft.rest_m = du;
+      for (int i = 0; i < nu; ++i) weft.nodes.push_back(node(i, j));
+    }
+    for (int i = 0; i < nu; ++i) {
+      if (layer == 1 && is_seam(i, 0)) continue;
+      ClothYarn& warp = mesh.yarns.emplace_back();
+      warp.rest_m = dv;
+      for (int j = 0; j < nv; ++j) warp.nodes.push_back(node(i, j));
+    }
     // Bending of a row of strips, each as wide as the spacing across: energy B
     // w/(2 L^3) |x1-2x2+x3|^2.
     const float residual = static_cast<float>(config.residual_curvature_1_m);

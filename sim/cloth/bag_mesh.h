@@ -16,6 +16,12 @@ struct ClothLink {
   float rest_m = 0;
 };
 
+/// A warp or weft yarn from border to border of its layer.
+struct ClothYarn {
+  std::vector<int> nodes;
+  float rest_m = 0;  ///< From node to node.
+};
+
 /// Three nodes in a row of the weave; its second difference is the row's bending.
 struct ClothBend {
   int a = 0;
@@ -48,6 +54,7 @@ struct ClothMesh {
   std::vector<std::uint8_t> triangle_layer;
   std::vector<std::array<int, 2>> edges;  ///< Every triangle edge once.
   std::vector<ClothLink> stretch;         ///< Along warp and weft.
+  std::vector<ClothYarn> yarns;           ///< The same links as chains: wefts, then warps.
   std::vector<ClothLink> shear;           ///< Both diagonals of each quad.
   std::vector<ClothBend> bends;
   std::vector<std::vector<ClothPatch>> patch_rows;  ///< [layer * rows + row][column].

@@ -20,8 +20,14 @@ constexpr float kFlat_m = 4e-4f;
 // A link gives this much before its internal friction slips; tuned, 2026-11: a fifth of what the
 // tightest fold leaves of a link.
 constexpr float kLinkSlip_m = 5e-4f;
-constexpr int kAirEvery = 4;      // substeps between evaluations of the air's force
-constexpr int kBesideSweeps = 2;  // more sweeps beside the fingers; tuned 2026-11, ClothInActions
+constexpr int kAirEvery = 4;  // substeps between evaluations of the air's force
+// Warps load wefts and these them; tuned 2026-11: with one, seams of a drawn bag end 11 % too long,
+// with two 6 % (ClothInActions).
+constexpr int kYarnPasses = 2;
+// More sweeps beside fingers and cube; tuned 2026-11 (ClothInActions, SleepingBagAndCube): with
+// more, yarns beside a hanging cube end nearer to their length (11 % too long with 2, 5 % with 4),
+// but the bag that it hangs in trembles more.
+constexpr int kBesideSweeps = 2;
 // Woven cotton's yarns straighten by about a percent before they bear; tethers
 // allow for it.
 constexpr float kTetherSlack = 1.01f;
@@ -58,6 +64,7 @@ Cloth::Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solv
       inv_mass_(Inverse(mesh_.mass_kg)),
       stretch_(mesh_.stretch, inv_mass_),
       shear_(mesh_.shear, inv_mass_),
+      yarns_(mesh_.yarns, inv_mass_),
       contact_(mesh_, static_cast<float>(bag.friction_cloth)),
       rigid_contact_(mesh_, static_cast<float>(bag.opening_m * bag.depth_m * mesh_.layers),
                      static_cast<float>(solver.separation_speed_m_s)),
@@ -263,6 +270,8 @@ void Cloth::SolveLinks(float h, bool forward, bool first) {
     shear_.Solve({shear, soft, true, true, shearing}, state_.shear_set, x_);
   }
   stretch_.Solve({tension, compression, forward, first, buckling}, state_.stretch_set, x_);
+  if (first) return;
+  for (int k = 0; k < kYarnPasses; ++k) yarns_.Solve(tension, x_prev_, x_);
 }
 
 void Cloth::SolveTable() {
@@ -284,21 +293,17 @@ void Cloth::SolveTable() {
   }
 }
 
-// Yarns at what is held or near a kinematic body, one ring round them (the stretch would only move
-// there), and what shares a packet with these; a loose cube is too light to stretch any.
+// Yarns at what is held or near a rigid body. What lies by itself, with a cube in it or not, loads
+// none.
 void Cloth::ListBeside(const std::vector<RigidShape>& shapes) {
   beside_.clear();
+  if (state_.held.empty() && !rigid_contact_.IsNearKinematic(shapes)) return;
   std::vector<bool> nodes(x_.size(), false);
-  if (!rigid_contact_.MarkNearKinematic(shapes, nodes) && state_.held.empty()) return;
   for (const HeldPoint& held : state_.held) {
     for (const int node : held.node) nodes[node] = true;
   }
-  std::vector<bool> ring = nodes;
-  for (const ClothLink& link : mesh_.stretch) {
-    if (nodes[link.a]) ring[link.b] = true;
-    if (nodes[link.b]) ring[link.a] = true;
-  }
-  beside_ = stretch_.PacketsAt(ring);
+  rigid_contact_.MarkNear(nodes);
+  beside_ = yarns_.GroupsAt(nodes);
 }
 
 Vec3f Cloth::At(const HeldPoint& held) const {
@@ -402,13 +407,15 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
     rigid_contact_.Solve(x_prev_, inv_mass_, h, shapes, x_);
     SolveTable();
   }
-  // What fingers pull and push at goes through few yarns, and two sweeps leave those too long. With
-  // the fingers' contact in these sweeps too they end longer still: what yields is the overlap.
+  // What fingers pull and push at, and what a cube hangs in, goes through few yarns, and two sweeps
+  // leave those too long. With the fingers' contact in these sweeps too they end longer still: what
+  // yields is the overlap. A cube weighs as much as a bag, and yields itself.
   const float tension = static_cast<float>(solver_.stretch_compliance_m_N) / (h * h);
   for (int k = 0; k < kBesideSweeps && !beside_.empty(); ++k) {
     SolveHold(h, X_WT);
     Tether(h, X_WT);
-    stretch_.Solve({tension, 0, true, false, {}}, beside_, state_.stretch_set, x_);
+    yarns_.Solve(tension, beside_, x_prev_, x_);
+    rigid_contact_.SolveYielding(x_prev_, inv_mass_, h, shapes, x_);
   }
   LoseWhatSlippedOut();
   const float floor = 0.5f * mesh_.thickness_m;

@@ -10,6 +10,7 @@
 #include "sim/cloth/link_solver.h"
 #include "sim/cloth/rigid_contact.h"
 #include "sim/cloth/self_contact.h"
+#include "sim/cloth/yarn_solver.h"
 
 namespace gusset {
 
@@ -119,8 +120,9 @@ class Cloth {
   Vec4Array x_, x_prev_, v_;  ///< Of the substep under way.
   std::vector<float> inv_mass_;
   LinkSolver stretch_, shear_;
+  YarnSolver yarns_;
   std::vector<BendPacket> bend_packets_;
-  std::vector<int> beside_;  ///< Packets of stretch_ with a yarn at the fingers.
+  std::vector<YarnSolver::Group> beside_;  ///< Yarns at the fingers.
   int since_air_ = 0;
   Vec4Array air_;  ///< Force of the air per node, N.
   Vec4Array bend_force_, ahead_;

@@ -149,20 +149,4 @@ void LinkSolver::Solve(const Sweep& sweep, std::vector<float>& set, Vec4Array& x
   }
 }
 
-void LinkSolver::Solve(const Sweep& sweep, const std::vector<int>& packets, std::vector<float>& set,
-                       Vec4Array& x) const {
-  const Compliances with(sweep);
-  for (const int i : packets) Solve(packets_[i], with, set.data(), x);
-}
-
-std::vector<int> LinkSolver::PacketsAt(const std::vector<bool>& nodes) const {
-  std::vector<int> at;
-  for (std::size_t i = 0; i < packets_.size(); ++i) {
-    bool any = false;
-    for (int k = 0; k < 4; ++k) any = any || nodes[packets_[i].a[k]] || nodes[packets_[i].b[k]];
-    if (any) at.push_back(static_cast<int>(i));
-  }
-  return at;
-}
-
 }  // namespace gusset

@@ -35,11 +35,6 @@ class LinkSolver {
   };
   /// @param set per lane: elongation (m) that friction holds to; updated where the sweep pushes.
   void Solve(const Sweep& sweep, std::vector<float>& set, Vec4Array& x) const;
-  /// The same for the packets listed alone, always in their order.
-  void Solve(const Sweep& sweep, const std::vector<int>& packets, std::vector<float>& set,
-             Vec4Array& x) const;
-  /// Packets with a link at one of these nodes (true: is one).
-  std::vector<int> PacketsAt(const std::vector<bool>& nodes) const;
   std::size_t lane_count() const { return lane_count_; }
 
  private:

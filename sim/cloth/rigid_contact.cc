@@ -95,27 +95,38 @@ bool RigidContact::Find(const Vec4Array& x, const std::vector<RigidShape>& shape
   return true;
 }
 
-bool RigidContact::MarkNearKinematic(const std::vector<RigidShape>& shapes,
-                                     std::vector<bool>& nodes) const {
-  bool any = false;
+bool RigidContact::IsNearKinematic(const std::vector<RigidShape>& shapes) const {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
-    if (shapes[s].inv_mass > 0) continue;
-    for (const int index : near_samples_[s]) {
+    if (shapes[s].inv_mass == 0 && !near_samples_[s].empty()) return true;
+  }
+  return false;
+}
+
+void RigidContact::MarkNear(std::vector<bool>& nodes) const {
+  for (const std::vector<int>& near : near_samples_) {
+    for (const int index : near) {
       const Sample& m = samples_[index];
       for (int k = 0; k < m.count; ++k) nodes[m.node[k]] = true;
-      any = true;
     }
   }
-  return any;
 }
 
 void RigidContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
                          std::vector<RigidShape>& shapes, Vec4Array& x) const {
-  const Substep substep{x_prev, inv_mass, h};
+  for (std::size_t s = 0; s < shapes.size(); ++s) Solve({x_prev, inv_mass, h}, s, shapes, x);
+}
+
+void RigidContact::SolveYielding(const Vec4Array& x_prev, const std::vector<float>& inv_mass,
+                                 float h, std::vector<RigidShape>& shapes, Vec4Array& x) const {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
-    SolveSamples(substep, near_samples_[s], shapes[s], x);
-    if (YieldingBox(shapes[s])) SolveEdges(substep, near_triangles_[s], shapes[s], x);
+    if (shapes[s].inv_mass > 0) Solve({x_prev, inv_mass, h}, s, shapes, x);
   }
+}
+
+void RigidContact::Solve(const Substep& substep, std::size_t shape, std::vector<RigidShape>& shapes,
+                         Vec4Array& x) const {
+  SolveSamples(substep, near_samples_[shape], shapes[shape], x);
+  if (YieldingBox(shapes[shape])) SolveEdges(substep, near_triangles_[shape], shapes[shape], x);
 }
 
 void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overlap& overlap,

@@ -26,11 +26,16 @@ class RigidContact {
   void Invalidate();
   /// Finds what may touch which shape, every few substeps. @returns whether it did.
   bool Find(const Vec4Array& x, const std::vector<RigidShape>& shapes);
-  /// Sets true for nodes of what may touch a kinematic shape. @returns whether there is any.
-  bool MarkNearKinematic(const std::vector<RigidShape>& shapes, std::vector<bool>& nodes) const;
+  /// Whether any cloth may touch a kinematic shape.
+  bool IsNearKinematic(const std::vector<RigidShape>& shapes) const;
+  /// Sets true for nodes of what may touch any shape.
+  void MarkNear(std::vector<bool>& nodes) const;
   /// One Gauss-Seidel pass in a substep of h seconds that began at x_prev.
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
              std::vector<RigidShape>& shapes, Vec4Array& x) const;
+  /// The same for shapes that have a mass alone.
+  void SolveYielding(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
+                     std::vector<RigidShape>& shapes, Vec4Array& x) const;
   /// What contact could not push out of kinematic shapes: sets their squeeze.
   /// @param held whether the gripper, whose parts they are, holds cloth: then what is squeezed
   ///   between its own parts counts for the pads alone.
@@ -62,6 +67,8 @@ class RigidContact {
     float distance_m;     ///< Negative: the point is beyond the triangle's plane.
   };
 
+  void Solve(const Substep& substep, std::size_t shape, std::vector<RigidShape>& shapes,
+             Vec4Array& x) const;
   void PushOut(const Substep& substep, const Sample& m, const Overlap& overlap, RigidShape& shape,
                Vec4Array& x) const;
   std::optional<EdgeContact> FindEdge(const RigidShape& box, int triangle,

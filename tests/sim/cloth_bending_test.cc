@@ -60,16 +60,26 @@ TEST_P(BendingLength, OfACantileverIsThatOfItsRigidity) {
   state.hold_limit_N = 1e6f;
   state.pad_half_width_m = state.pad_height_m = 10;
   bench.cloth.SetState(state);
+  bench.Run(4);
+  // Means over a second: rounding, 3e-8 m of positions half a metre up, 3000 times a second, keeps
+  // the softest strip trembling.
+  constexpr int kLooks = 50;
+  Vec3Array mean(bench.cloth.state().x.size(), Vec3f::Zero());
+  float least = 1, most = 0;
+  for (int look = 0; look < kLooks; ++look) {
+    bench.Run(1.0 / kLooks);
+    const Vec3Array& x = bench.cloth.state().x;
+    for (std::size_t i = 0; i < x.size(); ++i) mean[i] += x[i] / kLooks;
+    least = std::min(least, x.back().z());
+    most = std::max(most, x.back().z());
+  }
+  ASSERT_LT(most - least, 4e-4f) << "not at rest yet";
   const int across = bag.nodes_across;
   const auto row = [&](int j) {
     Vec3f sum = Vec3f::Zero();
-    for (int i = 0; i < across; ++i) sum += bench.cloth.state().x[j * across + i];
+    for (int i = 0; i < across; ++i) sum += mean[j * across + i];
     return Vec3f(sum / static_cast<float>(across));
   };
-  bench.Run(4);
-  const Vec3f before = row(bag.nodes_deep - 1);
-  bench.Run(1);
-  ASSERT_LT((row(bag.nodes_deep - 1) - before).norm(), 1e-4f) << "not at rest yet";
 
   const Vec3f edge = 0.5f * (row(kClamped - 2) + row(kClamped - 1));
   const Vec3f chord = row(bag.nodes_deep - 1) - edge;
