@@ -54,7 +54,7 @@ struct ClothMesh {
   std::vector<std::uint8_t> triangle_layer;
   std::vector<std::array<int, 2>> edges;  ///< Every triangle edge once.
   std::vector<ClothLink> stretch;         ///< Along warp and weft.
-  std::vector<ClothYarn> yarns;           ///< The same links as chains: wefts, then warps.
+  std::vector<ClothYarn> yarns;           ///< The same links as chains.
   std::vector<ClothLink> shear;           ///< Both diagonals of each quad.
   std::vector<ClothBend> bends;
   std::vector<std::vector<ClothPatch>> patch_rows;  ///< [layer * rows + row][column].

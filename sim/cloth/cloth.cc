@@ -1,5 +1,6 @@
 #include "sim/cloth/cloth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -255,7 +256,8 @@ void Cloth::Predict(float h) {
   }
 }
 
-void Cloth::SolveLinks(float h, bool forward, bool first) {
+void Cloth::SolveLinks(float h, int iteration) {
+  const bool first = iteration == 0, forward = iteration % 2 == 0;
   const float per_h2 = 1.0f / (h * h);
   const float tension = static_cast<float>(solver_.stretch_compliance_m_N) * per_h2;
   const float compression = static_cast<float>(solver_.compression_compliance_m_N) * per_h2;
@@ -270,7 +272,7 @@ void Cloth::SolveLinks(float h, bool forward, bool first) {
     shear_.Solve({shear, soft, true, true, shearing}, state_.shear_set, x_);
   }
   stretch_.Solve({tension, compression, forward, first, buckling}, state_.stretch_set, x_);
-  if (first) return;
+  if (iteration + 1 < solver_.iterations) return;
   for (int k = 0; k < kYarnPasses; ++k) yarns_.Solve(tension, x_prev_, x_);
 }
 
@@ -364,8 +366,8 @@ void Cloth::LoseWhatSlippedOut() {
 
 void Cloth::Tether(float h, const Eigen::Isometry3f& X_WT) {
   // Long-range attachments (Kim, Chentanez, Mueller 2012): no node further from
-  // the hold than the cloth between them is long. Carries the load past what
-  // one sweep of the yarns reaches.
+  // the hold than the cloth between them is long. Carries what pulls aslant
+  // of the yarns.
   if (state_.tether_m.empty()) return;
   float left_N = state_.hold_limit_N - tethered_N_;
   for (const Vec3f& force : held_N_) left_N -= force.norm();
@@ -402,20 +404,25 @@ void Cloth::SolveConstraints(float h, const Eigen::Isometry3f& X_WT,
   for (int k = 0; k < solver_.iterations; ++k) {
     SolveHold(h, X_WT);
     Tether(h, X_WT);
-    SolveLinks(h, k % 2 == 0, k == 0);
+    SolveLinks(h, k);
     contact_.Solve(x_prev_, inv_mass_, x_);
     rigid_contact_.Solve(x_prev_, inv_mass_, h, shapes, x_);
     SolveTable();
   }
   // What fingers pull and push at, and what a cube hangs in, goes through few yarns, and two sweeps
   // leave those too long. With the fingers' contact in these sweeps too they end longer still: what
-  // yields is the overlap. A cube weighs as much as a bag, and yields itself.
+  // yields is the overlap. A cube weighs as much as a bag, and yields itself; one that lies on the
+  // table loads no yarn, and would press cloth into the table here.
   const float tension = static_cast<float>(solver_.stretch_compliance_m_N) / (h * h);
+  const bool cube_hangs = std::ranges::any_of(shapes, [&](const RigidShape& shape) {
+    const float clear_m = shape.half.norm() + 2 * mesh_.thickness_m;  // for two layers beneath it
+    return shape.inv_mass > 0 && shape.X_WS.translation().z() > clear_m;
+  });
   for (int k = 0; k < kBesideSweeps && !beside_.empty(); ++k) {
     SolveHold(h, X_WT);
     Tether(h, X_WT);
     yarns_.Solve(tension, beside_, x_prev_, x_);
-    rigid_contact_.SolveYielding(x_prev_, inv_mass_, h, shapes, x_);
+    if (cube_hangs) rigid_contact_.SolveYielding(x_prev_, inv_mass_, h, shapes, x_);
   }
   LoseWhatSlippedOut();
   const float floor = 0.5f * mesh_.thickness_m;

@@ -104,7 +104,7 @@ class Cloth {
   void ApplyBending(float h);
   void MeasureAir();
   void ApplyAir(float h);
-  void SolveLinks(float h, bool forward, bool first);
+  void SolveLinks(float h, int iteration);
   void SolveTable();
   void SolveHold(float h, const Eigen::Isometry3f& X_WT);
   void YieldHold(const Vec3Array& wanted, float most_m, const Eigen::Isometry3f& X_WT);
@@ -122,7 +122,7 @@ class Cloth {
   LinkSolver stretch_, shear_;
   YarnSolver yarns_;
   std::vector<BendPacket> bend_packets_;
-  std::vector<YarnSolver::Group> beside_;  ///< Yarns at the fingers.
+  std::vector<YarnSolver::Group> beside_;  ///< Yarns at what is held, and near rigid bodies.
   int since_air_ = 0;
   Vec4Array air_;  ///< Force of the air per node, N.
   Vec4Array bend_force_, ahead_;

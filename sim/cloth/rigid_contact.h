@@ -28,7 +28,7 @@ class RigidContact {
   bool Find(const Vec4Array& x, const std::vector<RigidShape>& shapes);
   /// Whether any cloth may touch a kinematic shape.
   bool IsNearKinematic(const std::vector<RigidShape>& shapes) const;
-  /// Sets true for nodes of what may touch any shape.
+  /// Sets true for nodes of samples that may touch any shape.
   void MarkNear(std::vector<bool>& nodes) const;
   /// One Gauss-Seidel pass in a substep of h seconds that began at x_prev.
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,

@@ -1,13 +1,16 @@
 #include "sim/cloth/yarn_solver.h"
 
+#include <algorithm>
 #include <numeric>
+#include <stdexcept>
+#include <utility>
 
 #include "sim/cloth/simd8.h"
 
 namespace gusset {
 namespace {
 
-// A link that is shorter than at rest by less may bear once the others of its yarn do: with none
+// A link that is shorter than it may be by less may bear once the others of its yarn do: with none
 // allowed for, rounding cuts loaded yarns in two, and nothing ever rests. Tuned 2026-11: with 2e-5
 // a bag with the cube in it hangs restless (SleepingBagAndCube), with 3e-4 lumps may
 // (RestAfterADrop).
@@ -26,6 +29,9 @@ void Put(Float8 a, std::array<float, kLanes8>& lanes) { a.Store(lanes.data()); }
 
 YarnSolver::YarnSolver(std::vector<ClothYarn> yarns, std::vector<float> inv_mass)
     : yarns_(std::move(yarns)), inv_mass_(std::move(inv_mass)) {
+  for (const ClothYarn& yarn : yarns_) {
+    if (yarn.nodes.size() < 2) throw std::invalid_argument("YarnSolver: a yarn without a link");
+  }
   std::vector<int> every(yarns_.size());
   std::iota(every.begin(), every.end(), 0);
   all_ = Pack(every);
@@ -85,24 +91,25 @@ void YarnSolver::Solve(float compliance, const Group& group, const Vec4Array& x_
   Move(group, x);
 }
 
-// @returns whether any link is longer than it may be.
+// @returns whether any link is longer than it may be. A yarn without one does not pull.
 bool YarnSolver::Measure(const Group& group, const Vec4Array& x_prev, const Vec4Array& x) {
   const Float8 rest = Of(group.rest_m);
   const auto& places = group.places;
-  int longer = 0;
+  const std::size_t links = places.size() - 1;
+  Float8 longest = -1.0f;
   Vec3x8 at = Gather(x.data(), places[0].node), was = Gather(x_prev.data(), places[0].node);
   Vec3x8 along_before;
-  for (std::size_t j = 0;; ++j) {
+  for (std::size_t j = 0; j <= links; ++j) {
     Row& row = rows_[j];
     Put(at.x, row.x), Put(at.y, row.y), Put(at.z, row.z);
-    if (j + 1 == places.size()) return longer != 0;
+    if (j == links) break;
     const Vec3x8 next = Gather(x.data(), places[j + 1].node);
     const Vec3x8 next_was = Gather(x_prev.data(), places[j + 1].node);
     const Vec3x8 way = next - at, way_was = next_was - was;
     const Float8 length = Sqrt(Dot(way, way));
     const Float8 old = Max(Sqrt(Dot(way_was, way_was)) - rest, 0.0f);
     const Float8 excess = length - rest - old * kOldKept;
-    longer |= Bits(Float8(0.0f) < excess);
+    longest = Max(longest, excess);
     const Vec3x8 along = way * (Float8(1.0f) / Max(length, kLeastLength_m));
     Put(along.x, row.along_x), Put(along.y, row.along_y), Put(along.z, row.along_z);
     Put(excess, row.excess);
@@ -112,6 +119,9 @@ bool YarnSolver::Measure(const Group& group, const Vec4Array& x_prev, const Vec4
     was = next_was;
     along_before = along;
   }
+  const Float8 longer = Float8(0.0f) < longest;
+  for (std::size_t j = 0; j < links; ++j) Put(Of(rows_[j].pulls) & longer, rows_[j].pulls);
+  return Bits(longer) != 0;
 }
 
 // With nodes moved by w (T a - T_before a_before), link j ends compliance T_j longer than at rest:

@@ -14,8 +14,8 @@ namespace gusset {
 /// A sweep over links hands a load on from node to node and leaves yarns the longer the more hangs
 /// from them. A yarn's links are a chain, though, so its tensions are a tridiagonal system, solved
 /// directly (Goldenthal et al. 2007, "Efficient simulation of inextensible cloth", take all links
-/// of a cloth at once; compliance as in XPBD, Macklin et al. 2016). A yarn only pulls: links that
-/// the solution pushes with are slack, and it is solved once more without them.
+/// of a cloth at once; compliance as in one sweep of XPBD, Macklin et al. 2016). A yarn only pulls:
+/// links that the solution pushes with are slack, and it is solved once more without them.
 class YarnSolver {
  public:
   /// Eight yarns that share no node, of as many nodes each, side by side.
@@ -30,11 +30,12 @@ class YarnSolver {
     std::vector<Place> places;  ///< Along the yarns.
   };
 
+  /// Throws std::invalid_argument if a yarn has no link.
   YarnSolver(std::vector<ClothYarn> yarns, std::vector<float> inv_mass);
 
   /// Groups of all yarns that pass one of these nodes (true: is one).
   std::vector<Group> GroupsAt(const std::vector<bool>& nodes) const;
-  /// One pass over all yarns, or over those of some groups, in order: links end as long as at rest,
+  /// One pass over all yarns, or over those of some groups: links end as long as at rest,
   /// or by half as much longer as they were at x_prev, where the substep began.
   /// @param compliance  of a link, / h^2, 1/kg.
   void Solve(float compliance, const Vec4Array& x_prev, Vec4Array& x) {

@@ -127,7 +127,7 @@ class Energy : public testing::Test {
 
 // From one substep to another the ledger rises by up to 3.1e-4 J over its lowest so far, 1.0e-4 J
 // without internal friction, 0.5e-4 J with ten sweeps besides: it sees links at a substep's end,
-// not where friction acted on them, and yarns that two sweeps leave longer give back what they
+// not where friction acted on them, and yarns that are left longer give back what they
 // took. So single substeps are compared with the start and seconds among themselves.
 TEST_F(Energy, OfASwingingBagDoesNotGrow) {
   Lift(0.6f);

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "base/random.h"
 #include "sim/cloth/bag_mesh.h"
@@ -120,6 +123,23 @@ TEST(YarnSolver, PullsAndDoesNotPush) {
   EXPECT_NEAR(slack[4].x() - before[4].x(), before[5].x() + 0.005f - slack[5].x(), 1e-7f);
 }
 
+// A link barely too long beside one far too long would have to push: it slackens instead, and the
+// other moves as if it were alone.
+TEST(YarnSolver, LinksThatWouldPushSlacken) {
+  YarnSolver solver({Chain(0, 3)}, std::vector<float>(3, 1e4f));
+  // Folded back on itself: what shortens the second link lengthens nothing of the first.
+  Vec4Array x = {{0, 0, 0, 0}, {kRest_m + 1e-5f, 0, 0, 0}, {-0.01f, 0, 0, 0}};
+  const Vec4Array before = x;
+  solver.Solve(0, Straight(3, kRest_m), x);
+  EXPECT_EQ(x[0], before[0]);
+  EXPECT_NEAR(Length(x, 1), kRest_m, 1e-7f);
+  EXPECT_NEAR(x[1].x() - before[1].x(), before[2].x() - x[2].x(), 1e-7f);
+}
+
+TEST(YarnSolver, RefusesAYarnWithoutALink) {
+  EXPECT_THROW(YarnSolver({Chain(0, 1)}, {1e4f}), std::invalid_argument);
+}
+
 TEST(YarnSolver, UndoesOldExcessByHalves) {
   YarnSolver solver({Chain(0, 6)}, std::vector<float>(6, 1e4f));
   Vec4Array x = Straight(6, 1.1f * kRest_m);
@@ -170,6 +190,13 @@ TEST(BagMesh, YarnsAreTheLinksAsChains) {
       }
     }
     EXPECT_EQ(chained, links);
+    const auto of_length = [&](std::size_t nodes) {
+      return std::ranges::count_if(mesh.yarns,
+                                   [&](const ClothYarn& y) { return y.nodes.size() == nodes; });
+    };
+    // Those of the seams once: 11 + 10 wefts and 9 + 7 warps of a bag.
+    EXPECT_EQ(of_length(9), mesh.layers == 2 ? 21 : 11);
+    EXPECT_EQ(of_length(11), mesh.layers == 2 ? 16 : 9);
   }
 }
 
