@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace gusset {
@@ -51,6 +52,18 @@ void RigidContact::Invalidate() {
   near_samples_.clear();
 }
 
+// Notes which sides of a box each node is beyond: a sample whose nodes all lie beyond one side lies
+// there too. Rounding is far below what the box is grown by.
+void RigidContact::MarkBeyond(const Vec3f& lo, const Vec3f& hi, const Vec4Array& x) {
+  const Float4 lower(lo.x() - kBeyond_m, lo.y() - kBeyond_m, lo.z() - kBeyond_m, 0);
+  const Float4 upper(hi.x() + kBeyond_m, hi.y() + kBeyond_m, hi.z() + kBeyond_m, 0);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Float4 p = Float4::Load(x[i].data());
+    const int below = Bits(p < lower), above = Bits(upper < p);
+    beyond_[i] = static_cast<std::uint8_t>(below << 3 | above);
+  }
+}
+
 bool RigidContact::Find(const Vec4Array& x, const std::vector<RigidShape>& shapes) {
   const bool look = since_find_ == 0 || near_samples_.size() != shapes.size();
   since_find_ = (since_find_ + 1) % kFindEvery;
@@ -69,15 +82,7 @@ bool RigidContact::Find(const Vec4Array& x, const std::vector<RigidShape>& shape
     const Vec3f lo = shape.X_WS.translation() - extent - Vec3f::Constant(reach);
     const Vec3f hi = shape.X_WS.translation() + extent + Vec3f::Constant(reach);
     if ((lo.array() > cloth_hi.array()).any() || (hi.array() < cloth_lo.array()).any()) continue;
-    // A sample whose nodes all lie beyond one side of the box lies there too; rounding is far below
-    // what the box is grown by.
-    const Vec3f lower = lo - Vec3f::Constant(kBeyond_m), upper = hi + Vec3f::Constant(kBeyond_m);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const Float4 p = Float4::Load(x[i].data());
-      const int below = Bits(p < Float4(lower.x(), lower.y(), lower.z(), 0));
-      const int above = Bits(Float4(upper.x(), upper.y(), upper.z(), 0) < p);
-      beyond_[i] = static_cast<std::uint8_t>(below << 3 | above);
-    }
+    MarkBeyond(lo, hi, x);
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const Sample& m = samples_[i];
       if (beyond_[m.node[0]] & beyond_[m.node[1]] & beyond_[m.node[2]]) continue;
@@ -266,18 +271,37 @@ void RigidContact::SolveEdges(const Substep& substep, const std::vector<int>& tr
   }
 }
 
-// Whether cloth, whose samples are at `samples`, fills the column from p down to the table.
-bool RigidContact::BorneByTable(const Vec3Array& samples, const Vec3f& p) const {
+// Whether cloth, of which `beneath` holds all samples in the column from p down to the table, fills
+// it.
+bool RigidContact::BorneByTable(const Vec3Array& beneath, const Vec3f& p) const {
   const float height_m = p.z() + gap_m_;
   const float column_m3 = std::numbers::pi_v<float> * kColumn_m * kColumn_m * height_m;
-  const float enough_m3 = kBearingShare * column_m3;
   const float sample_m3 = sample_area_m2_ * 2 * gap_m_;
-  if (sample_m3 * static_cast<float>(samples.size()) <= enough_m3) return false;
   int inside = 0;
-  for (const Vec3f& q : samples) {
+  for (const Vec3f& q : beneath) {
     inside += (q.z() <= p.z()) & ((q - p).head<2>().squaredNorm() <= kColumn_m * kColumn_m);
   }
-  return sample_m3 * static_cast<float>(inside) > enough_m3;
+  return sample_m3 * static_cast<float>(inside) > kBearingShare * column_m3;
+}
+
+// Places of the samples that may lie in the columns beneath what presses.
+Vec3Array RigidContact::SamplesBeneath(const std::vector<Pressing>& pressing, const Vec4Array& x) {
+  Vec3f lo = Vec3f::Constant(std::numeric_limits<float>::max()), hi = -lo;
+  for (const Pressing& at : pressing) {
+    lo = lo.cwiseMin(at.p);
+    hi = hi.cwiseMax(at.p);
+  }
+  const Vec3f column(kColumn_m, kColumn_m, 0);
+  lo -= column;
+  hi += column;
+  lo.z() = std::numeric_limits<float>::lowest();
+  MarkBeyond(lo, hi, x);
+  Vec3Array beneath;
+  for (const Sample& m : samples_) {
+    if (beyond_[m.node[0]] & beyond_[m.node[1]] & beyond_[m.node[2]]) continue;
+    beneath.push_back(m.At(x));
+  }
+  return beneath;
 }
 
 // What contact could not push out of a kinematic body is caught between it and something else, and
@@ -286,16 +310,8 @@ bool RigidContact::BorneByTable(const Vec3Array& samples, const Vec3f& p) const 
 // the body to what it is caught against. While the gripper holds cloth that is the gripper again
 // (other finger, or what is held), so that nothing is felt of it as a whole, but where the body
 // presses down on cloth that the table bears.
-void RigidContact::MeasureSqueeze(const Vec4Array& x, bool held,
-                                  std::vector<RigidShape>& shapes) const {
-  Vec3Array samples;  // found when needed first
-  const auto borne_by_table = [&](const Vec3f& p) {
-    if (samples.empty()) {
-      samples.reserve(samples_.size());
-      for (const Sample& m : samples_) samples.push_back(m.At(x));
-    }
-    return BorneByTable(samples, p);
-  };
+void RigidContact::MeasureSqueeze(const Vec4Array& x, bool held, std::vector<RigidShape>& shapes) {
+  std::vector<Pressing> pressing;  // down, while cloth is held
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     RigidShape& shape = shapes[s];
     if (shape.inv_mass != 0) continue;
@@ -312,9 +328,17 @@ void RigidContact::MeasureSqueeze(const Vec4Array& x, bool held,
       const float force = kCompression_N_m3 * sample_area_m2_ * overlap;
       if (n_S.x() < -0.7f) shape.squeeze_minus_x += force;
       const Vec3f n = shape.X_WS.linear() * n_S;
-      if (held && (n.z() > kDownwards || !borne_by_table(p))) continue;
-      shape.squeeze -= n * force;
+      if (!held) {
+        shape.squeeze -= n * force;
+      } else if (n.z() <= kDownwards) {
+        pressing.push_back({&shape, p, -n * force});
+      }
     }
+  }
+  if (pressing.empty()) return;
+  const Vec3Array beneath = SamplesBeneath(pressing, x);
+  for (const Pressing& at : pressing) {
+    if (BorneByTable(beneath, at.p)) at.shape->squeeze += at.force;
   }
 }
 

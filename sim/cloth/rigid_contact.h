@@ -39,7 +39,7 @@ class RigidContact {
   /// What contact could not push out of kinematic shapes: sets their squeeze.
   /// @param held whether the gripper, whose parts they are, holds cloth: then what is squeezed
   ///   between its own parts counts for the pads alone.
-  void MeasureSqueeze(const Vec4Array& x, bool held, std::vector<RigidShape>& shapes) const;
+  void MeasureSqueeze(const Vec4Array& x, bool held, std::vector<RigidShape>& shapes);
 
  private:
   struct Sample {             ///< A point of the cloth that shapes are tested against.
@@ -67,6 +67,13 @@ class RigidContact {
     float distance_m;     ///< Negative: the point is beyond the triangle's plane.
   };
 
+  /// Cloth that a kinematic shape presses down, and how hard.
+  struct Pressing {
+    RigidShape* shape;
+    Vec3f p;
+    Vec3f force;  ///< On the shape, N.
+  };
+
   void Solve(const Substep& substep, std::size_t shape, std::vector<RigidShape>& shapes,
              Vec4Array& x) const;
   void PushOut(const Substep& substep, const Sample& m, const Overlap& overlap, RigidShape& shape,
@@ -77,7 +84,9 @@ class RigidContact {
                   Vec4Array& x) const;
   void SolveSamples(const Substep& substep, const std::vector<int>& candidates, RigidShape& shape,
                     Vec4Array& x) const;
-  bool BorneByTable(const Vec3Array& samples, const Vec3f& p) const;
+  bool BorneByTable(const Vec3Array& beneath, const Vec3f& p) const;
+  Vec3Array SamplesBeneath(const std::vector<Pressing>& pressing, const Vec4Array& x);
+  void MarkBeyond(const Vec3f& lo, const Vec3f& hi, const Vec4Array& x);
 
   const ClothMesh& mesh_;
   float gap_m_;  ///< Between the cloth's mid-plane and a shape.

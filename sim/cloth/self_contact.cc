@@ -405,11 +405,15 @@ void SelfContact::EndSubstep(const std::vector<float>& inv_mass, float h, Vec4Ar
            (Float4(s[2]) * Vector(v[n[2]]) + Float4(s[3]) * Vector(v[n[3]]));
   };
   for (std::size_t i = 0; i < force_count_; ++i) {
+    if (!pushed(i)) {
+      slipped_[i].setZero();
+      continue;
+    }
     const Float4 normal = Vector(contacts_[i].normal), all = rate(contacts_[i]);
     const Float4 slipped =
         Vector(slipped_[i]) + (all - normal * Float4(Dot(normal, all))) * Float4(h);
     // No more than friction could take back, or it would pull where nothing did.
-    const float most = pushed(i) ? most_slipped_m_[i] : 0.0f, slipped2 = Dot(slipped, slipped);
+    const float most = most_slipped_m_[i], slipped2 = Dot(slipped, slipped);
     const float kept = slipped2 > most * most ? most / std::sqrt(slipped2) : 1.0f;
     (slipped * Float4(kept)).Store(slipped_[i].data());
     most_slipped_m_[i] = 0;
