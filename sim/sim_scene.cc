@@ -26,12 +26,6 @@ void CheckBag(const ConfigTree& tree, const SimConfig& config) {
                     ": bag.labels_per_layer = " + std::to_string(bag.labels_per_layer) +
                     " labels do not fit side by side onto bag.opening_m = " + Text(bag.opening_m));
   }
-  try {
-    (void)Cloth(MakeBagMesh(bag), bag, config.solver);
-  } catch (const InputError& e) {
-    tree.Refuse("bag.flexural_rigidity_Nm", bag.flexural_rigidity_Nm,
-                std::string("cannot be stepped: ") + e.what());
-  }
 }
 
 void CheckStarts(const ConfigTree& tree, const SimConfig& config) {

@@ -6,6 +6,7 @@
 
 #include "sim/cloth/bag_config.h"
 #include "sim/cloth/bag_mesh.h"
+#include "sim/cloth/bend_solver.h"
 #include "sim/cloth/cloth_types.h"
 #include "sim/cloth/link_solver.h"
 #include "sim/cloth/rigid_contact.h"
@@ -52,7 +53,6 @@ struct PadGap {
 /// with itself, a table at z = 0 and rigid shapes, a gripper's hold with a force limit.
 class Cloth {
  public:
-  /// @throws InputError if the material cannot be stepped stably with the solver's settings.
   Cloth(ClothMesh mesh, const BagConfig& bag, const ClothSolverConfig& solver);
   Cloth(const Cloth&) = delete;
 
@@ -90,18 +90,8 @@ class Cloth {
   Vec3f gravity_m_s2{0, 0, -9.81f};  ///< World; tilting it tilts the table.
 
  private:
-  /// Four bends that share no node, side by side.
-  struct BendPacket {
-    std::array<std::array<std::uint16_t, 4>, 3> node;  ///< [a, mid, c][lane]
-    std::array<int, 4> bend;                           ///< Index into the mesh's bends.
-    int count;
-    Float4 stiffness, friction_spring, most;
-  };
-
   Vec3f At(std::size_t node) const { return x_[node].head<3>(); }
   Vec3f At(const HeldPoint& held) const;
-  void PackBends();
-  void ApplyBending(float h);
   void MeasureAir();
   void ApplyAir(float h);
   void SolveLinks(float h, int iteration);
@@ -121,11 +111,10 @@ class Cloth {
   std::vector<float> inv_mass_;
   LinkSolver stretch_, shear_;
   YarnSolver yarns_;
-  std::vector<BendPacket> bend_packets_;
+  BendSolver bends_;
   std::vector<YarnSolver::Group> beside_;  ///< Yarns at what is held, and near rigid bodies.
   int since_air_ = 0;
   Vec4Array air_;  ///< Force of the air per node, N.
-  Vec4Array bend_force_, ahead_;
   SelfContact contact_;
   RigidContact rigid_contact_;
   float buckling_friction_N_, shear_friction_N_;  // of one link

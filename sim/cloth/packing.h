@@ -4,7 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <numeric>
+#include <span>
 #include <vector>
+
+#include "sim/cloth/simd.h"
 
 namespace gusset {
 
@@ -47,6 +50,29 @@ std::vector<std::array<int, 4>> PackFours(const std::vector<std::array<int, N>>&
                 order.begin() + static_cast<std::ptrdiff_t>(i));
   }
   return fours;
+}
+
+/// Groups of eight chains of equally many nodes that share none, for solving one per lane: indices
+/// into `chains`, -1 for lanes left empty at a group's end. In the order given, but for chains that
+/// fit into the group of one before.
+inline std::vector<std::array<int, kLanes8>> PackEights(
+    const std::vector<std::span<const int>>& chains, std::size_t node_count) {
+  std::vector<std::array<int, kLanes8>> eights;
+  std::vector<bool> packed(chains.size(), false);
+  for (std::size_t first = 0; first < chains.size(); ++first) {
+    if (packed[first]) continue;
+    eights.emplace_back().fill(-1);
+    std::vector<bool> used(node_count, false);
+    std::size_t filled = 0;
+    for (std::size_t i = first; i < chains.size() && filled < kLanes8; ++i) {
+      if (packed[i] || chains[i].size() != chains[first].size()) continue;
+      if (std::ranges::any_of(chains[i], [&](int n) { return used[n]; })) continue;
+      packed[i] = true;
+      for (const int n : chains[i]) used[n] = true;
+      eights.back()[filled++] = static_cast<int>(i);
+    }
+  }
+  return eights;
 }
 
 }  // namespace gusset

@@ -117,25 +117,25 @@ void RigidContact::MarkNear(std::vector<bool>& nodes) const {
 }
 
 void RigidContact::Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
-                         std::vector<RigidShape>& shapes, Vec4Array& x) const {
+                         std::vector<RigidShape>& shapes, Vec4Array& x) {
   for (std::size_t s = 0; s < shapes.size(); ++s) Solve({x_prev, inv_mass, h}, s, shapes, x);
 }
 
 void RigidContact::SolveYielding(const Vec4Array& x_prev, const std::vector<float>& inv_mass,
-                                 float h, std::vector<RigidShape>& shapes, Vec4Array& x) const {
+                                 float h, std::vector<RigidShape>& shapes, Vec4Array& x) {
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (shapes[s].inv_mass > 0) Solve({x_prev, inv_mass, h}, s, shapes, x);
   }
 }
 
 void RigidContact::Solve(const Substep& substep, std::size_t shape, std::vector<RigidShape>& shapes,
-                         Vec4Array& x) const {
+                         Vec4Array& x) {
   SolveSamples(substep, near_samples_[shape], shapes[shape], x);
   if (YieldingBox(shapes[shape])) SolveEdges(substep, near_triangles_[shape], shapes[shape], x);
 }
 
 void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overlap& overlap,
-                           RigidShape& shape, Vec4Array& x) const {
+                           RigidShape& shape, Vec4Array& x) {
   const auto& [x_prev, inv_mass, h] = substep;
   // As between layers: approach is stopped at once, old overlap undone slowly.
   const float target =
@@ -161,6 +161,7 @@ void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overla
   for (int k = 0; k < m.count; ++k) {
     x[m.node[k]].head<3>() += push * (m.weight[k] * inv_mass[m.node[k]]);
   }
+  if (w_body > 0 && overlap.distance_before_m < gap_m_) pushed_.push_back({m, &shape, n, arm});
   const Vec3f impulse = -push / h;
   shape.impulse += impulse;
   shape.angular_impulse += arm.cross(impulse);
@@ -177,7 +178,7 @@ void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overla
 }
 
 void RigidContact::SolveSamples(const Substep& substep, const std::vector<int>& candidates,
-                                RigidShape& shape, Vec4Array& x) const {
+                                RigidShape& shape, Vec4Array& x) {
   if (candidates.empty()) return;
   const Eigen::Isometry3f X_SW_prev = shape.X_WS_prev.inverse();
   for (const int index : candidates) {
@@ -259,7 +260,7 @@ std::optional<RigidContact::EdgeContact> RigidContact::FindEdge(const RigidShape
 
 // The dual of SolveSamples: points of the box, and the cloth's normal.
 void RigidContact::SolveEdges(const Substep& substep, const std::vector<int>& triangles,
-                              RigidShape& box, Vec4Array& x) const {
+                              RigidShape& box, Vec4Array& x) {
   const Eigen::Isometry3f X_SW_prev = box.X_WS_prev.inverse();
   for (const int t : triangles) {
     const std::optional<EdgeContact> c = FindEdge(box, t, x);
@@ -269,6 +270,29 @@ void RigidContact::SolveEdges(const Substep& substep, const std::vector<int>& tr
     PushOut(substep, c->at, {box.X_WS.linear() * c->normal_S, c->distance_m, before, p_S_prev}, box,
             x);
   }
+}
+
+void RigidContact::EndSubstep(const std::vector<float>& inv_mass, float h, Vec4Array& v) {
+  for (const Pushed& c : pushed_) {
+    const Sample& m = c.at;
+    RigidShape& shape = *c.shape;
+    float w = 0;
+    for (int k = 0; k < m.count; ++k) w += m.weight[k] * m.weight[k] * inv_mass[m.node[k]];
+    // The body's own point, from where it was to where it is.
+    const Vec3f p = shape.X_WS.translation() + c.arm;
+    const Vec3f v_body = (p - shape.X_WS_prev * (shape.X_WS.inverse() * p)) / h;
+    const float apart = c.normal.dot(m.At(v) - v_body);
+    if (apart <= 0) continue;
+    const Vec3f rn = c.arm.cross(c.normal);
+    const Vec3f impulse =
+        c.normal * (apart / (w + shape.inv_mass + rn.dot(shape.inv_inertia_W * rn)));
+    for (int k = 0; k < m.count; ++k) {
+      v[m.node[k]].head<3>() -= impulse * (m.weight[k] * inv_mass[m.node[k]]);
+    }
+    shape.impulse += impulse;
+    shape.angular_impulse += c.arm.cross(impulse);
+  }
+  pushed_.clear();
 }
 
 // Whether cloth, of which `beneath` holds all samples in the column from p down to the table, fills

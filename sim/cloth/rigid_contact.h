@@ -32,10 +32,14 @@ class RigidContact {
   void MarkNear(std::vector<bool>& nodes) const;
   /// One Gauss-Seidel pass in a substep of h seconds that began at x_prev.
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
-             std::vector<RigidShape>& shapes, Vec4Array& x) const;
+             std::vector<RigidShape>& shapes, Vec4Array& x);
   /// The same for shapes that have a mass alone.
   void SolveYielding(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h,
-                     std::vector<RigidShape>& shapes, Vec4Array& x) const;
+                     std::vector<RigidShape>& shapes, Vec4Array& x);
+  /// After the substep, with the velocities v that came of it: cloth that was pushed away from a
+  /// yielding shape because it was closer than it may be loses the speed of that, or nodes beside a
+  /// hanging cube would be thrown to and fro by it and by their yarns for ever.
+  void EndSubstep(const std::vector<float>& inv_mass, float h, Vec4Array& v);
   /// What contact could not push out of kinematic shapes: sets their squeeze.
   /// @param held whether the gripper, whose parts they are, holds cloth: then what is squeezed
   ///   between its own parts counts for the pads alone.
@@ -74,16 +78,23 @@ class RigidContact {
     Vec3f force;  ///< On the shape, N.
   };
 
+  /// Cloth that was too close to a yielding shape when the substep began, and was pushed away.
+  struct Pushed {
+    Sample at;
+    RigidShape* shape;
+    Vec3f normal, arm;  ///< Away from the shape; from its centre.
+  };
+
   void Solve(const Substep& substep, std::size_t shape, std::vector<RigidShape>& shapes,
-             Vec4Array& x) const;
+             Vec4Array& x);
   void PushOut(const Substep& substep, const Sample& m, const Overlap& overlap, RigidShape& shape,
-               Vec4Array& x) const;
+               Vec4Array& x);
   std::optional<EdgeContact> FindEdge(const RigidShape& box, int triangle,
                                       const Vec4Array& x) const;
   void SolveEdges(const Substep& substep, const std::vector<int>& triangles, RigidShape& box,
-                  Vec4Array& x) const;
+                  Vec4Array& x);
   void SolveSamples(const Substep& substep, const std::vector<int>& candidates, RigidShape& shape,
-                    Vec4Array& x) const;
+                    Vec4Array& x);
   bool BorneByTable(const Vec3Array& beneath, const Vec3f& p) const;
   Vec3Array SamplesBeneath(const std::vector<Pressing>& pressing, const Vec4Array& x);
   void MarkBeyond(const Vec3f& lo, const Vec3f& hi, const Vec4Array& x);
@@ -97,6 +108,7 @@ class RigidContact {
   std::vector<std::vector<int>> near_triangles_;  ///< Per shape, if it is a box with a mass.
   std::vector<std::uint8_t> beyond_;              ///< Per node: sides of a box that it is beyond.
   int since_find_ = 0;
+  std::vector<Pushed> pushed_;  ///< In the substep under way.
 };
 
 }  // namespace gusset

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
+#include "sim/cloth/packing.h"
 #include "sim/cloth/simd8.h"
 
 namespace gusset {
@@ -39,30 +41,20 @@ YarnSolver::YarnSolver(std::vector<ClothYarn> yarns, std::vector<float> inv_mass
 }
 
 std::vector<YarnSolver::Group> YarnSolver::Pack(const std::vector<int>& yarns) const {
+  std::vector<std::span<const int>> chains;
+  for (const int yarn : yarns) chains.emplace_back(yarns_[yarn].nodes);
   std::vector<Group> groups;
-  std::vector<bool> packed(yarns.size(), false);
-  for (std::size_t first = 0; first < yarns.size(); ++first) {
-    if (packed[first]) continue;
+  for (const std::array<int, kLanes8>& eight : PackEights(chains, inv_mass_.size())) {
     Group& group = groups.emplace_back();
-    group.places.resize(yarns_[yarns[first]].nodes.size());
-    std::vector<bool> used(inv_mass_.size(), false);
-    for (std::size_t i = first; i < yarns.size() && group.count < kLanes8; ++i) {
-      const ClothYarn& yarn = yarns_[yarns[i]];
-      if (packed[i] || yarn.nodes.size() != group.places.size()) continue;
-      bool apart = true;
-      for (const int n : yarn.nodes) apart = apart && !used[n];
-      if (!apart) continue;
-      packed[i] = true;
-      const std::size_t end = group.count == 0 ? kLanes8 : group.count + 1;
-      for (std::size_t lane = group.count; lane < end; ++lane) {
-        group.rest_m[lane] = yarn.rest_m;
-        for (std::size_t k = 0; k < yarn.nodes.size(); ++k) {
-          group.places[k].node[lane] = static_cast<std::uint16_t>(yarn.nodes[k]);
-          group.places[k].inv_mass[lane] = inv_mass_[yarn.nodes[k]];
-        }
+    group.places.resize(chains[eight[0]].size());
+    for (std::size_t lane = 0; lane < kLanes8; ++lane) {
+      group.count += eight[lane] >= 0;
+      const ClothYarn& yarn = yarns_[yarns[eight[lane] < 0 ? eight[0] : eight[lane]]];
+      group.rest_m[lane] = yarn.rest_m;
+      for (std::size_t k = 0; k < yarn.nodes.size(); ++k) {
+        group.places[k].node[lane] = static_cast<std::uint16_t>(yarn.nodes[k]);
+        group.places[k].inv_mass[lane] = inv_mass_[yarn.nodes[k]];
       }
-      for (const int n : yarn.nodes) used[n] = true;
-      ++group.count;
     }
   }
   return groups;

@@ -38,5 +38,34 @@ TEST(PackFours, TakesEachOnceSharesNoNodeAndKeepsEveryNodesOrder) {
   for (const int times : seen) EXPECT_EQ(times, 1);
 }
 
+TEST(PackEights, TakesEachChainOnceWithItsLikeAndSharesNoNode) {
+  constexpr int kNodes = 90, kChains = 60;
+  Rng rng(2);
+  std::vector<std::vector<int>> nodes;
+  for (int i = 0; i < kChains; ++i) {
+    const int length = 2 + static_cast<int>(rng.Below(3)), first = static_cast<int>(rng.Below(80));
+    for (nodes.emplace_back(); static_cast<int>(nodes.back().size()) < length;) {
+      nodes.back().push_back(first + 3 * static_cast<int>(nodes.back().size()));
+    }
+  }
+  const std::vector<std::span<const int>> chains(nodes.begin(), nodes.end());
+  std::vector<int> seen(kChains, 0);
+  for (const auto& eight : PackEights(chains, kNodes)) {
+    std::vector<int> used;
+    ASSERT_GE(eight[0], 0);
+    for (std::size_t k = 0; k < kLanes8; ++k) {
+      if (eight[k] < 0) continue;
+      EXPECT_GE(eight[k == 0 ? 0 : k - 1], 0) << "empty lanes are last";
+      EXPECT_EQ(nodes[eight[k]].size(), nodes[eight[0]].size());
+      ++seen[eight[k]];
+      for (const int n : nodes[eight[k]]) {
+        EXPECT_EQ(std::ranges::count(used, n), 0);
+        used.push_back(n);
+      }
+    }
+  }
+  for (const int times : seen) EXPECT_EQ(times, 1);
+}
+
 }  // namespace
 }  // namespace gusset

@@ -177,6 +177,20 @@ TEST_P(BagAndCube, PullAtTheToolWithTheirWeightOnceTheyHang) {
   EXPECT_NEAR(MeanPull(4), weight_N_, 0.02 * weight_N_);
 }
 
+// The hold's last sweeps come after the table's. A cube in them that lies on the table would press
+// the cloth beneath it in.
+TEST_P(BagAndCube, KeepTheClothOnTheTableWhileTheCubeLiesThere) {
+  LiftTo(0.03);
+  const float floor = 0.5f * mesh().thickness_m;
+  float deepest = floor;
+  for (int i = 0; i < 600; ++i) {
+    world_.Step(ToolAt(tool_), kPadGap_m, true);
+    for (const Vec3f& p : cloth().x) deepest = std::min(deepest, p.z());
+  }
+  ASSERT_LT(world_.cube().X_WB.translation().z(), 0.025) << "the cube hangs";
+  EXPECT_GT(deepest, floor - 1e-4f);
+}
+
 // The fingers come down beside the rim's middle, press on it, close as they do at work, until what
 // is between them stops them, and stay closed.
 class BagAndCubeInTheFingers : public testing::TestWithParam<bool> {

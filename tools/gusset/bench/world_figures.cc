@@ -154,9 +154,6 @@ Measured MeasureAgainstBtDeformable(const BenchContext& context) {
 Measured MeasureGrowth(const BenchContext& context) {
   SimConfig config = SimConfigOf(context.settings);
   const ArmModel arm = ArmModel::Load(config.robot, AssetsFolder(), false);
-  // Explicit bending bounds the step by L^4: what the finest mesh bears at the default substeps is
-  // used for all sizes.
-  config.bag.flexural_rigidity_Nm = 1e-7;
   struct Size {
     int across, deep;
     int nodes = 0;
@@ -181,7 +178,6 @@ Measured MeasureGrowth(const BenchContext& context) {
     }
   }
   Measured measured;
-  measured.detail["flexural_rigidity_Nm"] = config.bag.flexural_rigidity_Nm;
   std::vector<double> nodes, us, cpu_us;
   for (const Size& size : sizes) {
     nodes.push_back(size.nodes);
