@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <span>
 #include <stdexcept>
 
@@ -19,20 +20,18 @@ constexpr float kFlat_m = 4e-4f;
 // Shortest waves stay below this share of what is stable.
 constexpr double kStable = 0.98;
 
-Float8 Of(const std::array<float, kLanes8>& lanes) { return Float8::Load(lanes.data()); }
-
 }  // namespace
 
 // Rows begin at bends whose first two nodes are no bend's last two.
 std::vector<BendSolver::Row> BendSolver::FindRows(const std::vector<ClothBend>& bends) {
   std::map<std::array<int, 2>, int> from;
-  std::map<std::array<int, 2>, bool> goes_on;
+  std::set<std::array<int, 2>> goes_on;
   for (std::size_t i = 0; i < bends.size(); ++i) {
     const ClothBend& b = bends[i];
     if (!from.emplace(std::array{b.a, b.mid}, static_cast<int>(i)).second) {
       throw std::invalid_argument("BendSolver: two bends begin with the same two nodes");
     }
-    goes_on[{b.mid, b.c}] = true;
+    goes_on.insert({b.mid, b.c});
   }
   std::vector<Row> rows;
   std::size_t found = 0;
@@ -193,13 +192,10 @@ void BendSolver::Apply(float h, const Group& group, const Vec4Array& x, std::vec
     const Vec3x8 y = {Of(solved_[k].x), Of(solved_[k].y), Of(solved_[k].z)};
     const Vec3x8 z = y * Of(p.inv_pivot) - after_1 * lower_1 - after_2 * lower_2;
     const Vec3x8 gained = z * (Of(p.inv_rows) * h);
-    Float8 rows[4] = {gained.x, gained.y, gained.z, Float8()};
-    TransposeHalves(rows[0], rows[1], rows[2], rows[3]);
-    for (std::size_t lane = 0; lane < group.count; ++lane) {
-      const Float8& pair = rows[lane % 4];
+    ForEachLane(gained, group.count, [&](std::size_t lane, Float4 more) {
       Vec4f& of = v[p.node[lane]];
-      (Float4::Load(of.data()) + (lane < 4 ? pair.low() : pair.high())).Store(of.data());
-    }
+      (Float4::Load(of.data()) + more).Store(of.data());
+    });
     after_2 = after_1, after_1 = z;
     lower_1 = Of(p.lower_1);
     lower_2 = lower_2_after;  // of the node after the next, to this one

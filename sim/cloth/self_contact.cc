@@ -36,8 +36,6 @@ constexpr float kPushBeyond_m = 2e-6f;
 
 Float4 Vector(const Vec4f& v) { return Float4::Load(v.data()); }
 
-Float8 Lanes(const std::array<float, kLanes8>& lanes) { return Float8::Load(lanes.data()); }
-
 float Dot(Float4 a, Float4 b) { return Sum3(a * b); }
 
 // Planes that leave less are pushed apart; nothing is taken from what never shrinks.
@@ -291,11 +289,11 @@ struct Heights {
   Float8 h1, h2, h3, edges;
   Heights(const Planes& p, const Vec4Array& x) {
     const auto at = [&](int k) { return Gather(x.data(), p.node[k]); };
-    const Vec3x8 n = {Lanes(p.nx), Lanes(p.ny), Lanes(p.nz)}, p0 = at(0);
+    const Vec3x8 n = {Of(p.nx), Of(p.ny), Of(p.nz)}, p0 = at(0);
     h1 = Dot(n, at(1) - p0);
     h2 = Dot(n, at(2) - p0);
     h3 = Dot(n, at(3) - p0);
-    edges = Float8(0.0f) < Lanes(p.edges);
+    edges = Float8(0.0f) < Of(p.edges);
   }
   // Lowest node of the first element over the highest of the second.
   Float8 Clearance() const {
@@ -313,7 +311,7 @@ void SelfContact::Measure(const Vec4Array& x) {
   violated_.clear();
   for (std::size_t g = 0; g < planes_.size(); ++g) {
     Planes& p = planes_[g];
-    const Float8 gap = Lanes(p.end_gap), clear = Lanes(p.end_clear);
+    const Float8 gap = Of(p.end_gap), clear = Of(p.end_clear);
     gap.Store(p.gap.data());
     clear.Store(p.clear.data());
     AcceptedClearance(thickness_m_, clear).Store(p.accepted.data());
@@ -472,9 +470,9 @@ bool SelfContact::FindViolated(const Vec4Array& x) {
     const Heights<Planes> h(p, x);
     const Float8 clear = h.Clearance();
     // The next substep starts from here.
-    (h.h1 * Lanes(p.w1) + h.h2 * Lanes(p.w2) + h.h3 * Lanes(p.w3)).Store(p.end_gap.data());
+    (h.h1 * Of(p.w1) + h.h2 * Of(p.w2) + h.h3 * Of(p.w3)).Store(p.end_gap.data());
     clear.Store(p.end_clear.data());
-    List(Bits(clear < Lanes(p.accepted)), kLanes8 * g, count, violated_);
+    List(Bits(clear < Of(p.accepted)), kLanes8 * g, count, violated_);
   }
   return !violated_.empty();
 }

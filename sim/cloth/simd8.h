@@ -101,7 +101,20 @@ inline void TransposeHalves(Float8& a, Float8& b, Float8& c, Float8& d) {
 #endif
 inline Float8 Clamp01(Float8 a) { return Min(Max(a, 0.0f), 1.0f); }
 
+inline Float8 Of(const std::array<float, kLanes8>& aligned) { return Float8::Load(aligned.data()); }
+
 using Vec3x8 = Vec3Lanes<Float8>;
+
+/// Calls visit(lane, xyz0) for the first `count` lanes, each as a node's vector.
+template <class Visit>
+[[gnu::always_inline]] inline void ForEachLane(const Vec3x8& v, std::size_t count, Visit visit) {
+  Float8 rows[4] = {v.x, v.y, v.z, Float8()};
+  TransposeHalves(rows[0], rows[1], rows[2], rows[3]);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const Float8& pair = rows[lane % 4];
+    visit(lane, lane < 4 ? pair.low() : pair.high());
+  }
+}
 
 /// The vectors at eight indices; `fourth` receives their fourth lanes.
 template <class Index>

@@ -23,8 +23,6 @@ constexpr float kNearlyTaut_m = 1e-4f;
 constexpr float kOldKept = 0.5f;
 constexpr float kLeastLength_m = 1e-9f;
 
-Float8 Of(const std::array<float, kLanes8>& lanes) { return Float8::Load(lanes.data()); }
-
 void Put(Float8 a, std::array<float, kLanes8>& lanes) { a.Store(lanes.data()); }
 
 }  // namespace
@@ -164,12 +162,9 @@ void YarnSolver::Move(const Group& group, Vec4Array& x) const {
     }
     const Vec3x8 moved = Vec3x8{Of(row.x), Of(row.y), Of(row.z)} +
                          (pull - pull_before) * Of(group.places[j].inv_mass);
-    Float8 rows[4] = {moved.x, moved.y, moved.z, Float8()};
-    TransposeHalves(rows[0], rows[1], rows[2], rows[3]);
-    for (std::size_t lane = 0; lane < group.count; ++lane) {
-      const Float8& pair = rows[lane % 4];
-      (lane < 4 ? pair.low() : pair.high()).Store(x[group.places[j].node[lane]].data());
-    }
+    ForEachLane(moved, group.count, [&](std::size_t lane, Float4 at) {
+      at.Store(x[group.places[j].node[lane]].data());
+    });
     pull_before = pull;
   }
 }

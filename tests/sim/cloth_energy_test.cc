@@ -10,7 +10,7 @@
 namespace gusset {
 namespace {
 
-// As in sim/cloth/cloth.cc.
+// As in sim/cloth/bend_solver.cc and sim/cloth/cloth.cc.
 constexpr double kFrictionSpring = 4, kLinkSlip_m = 5e-4;
 // Lifts the bag by a fifth of a millimetre.
 constexpr double kBound_J = 1e-4;
