@@ -102,8 +102,7 @@ BendSolver::BendSolver(const std::vector<ClothBend>& bends, const std::vector<fl
         const ClothBend& b = bends[row.bends[k]];
         place.bend[lane] = static_cast<std::uint16_t>(row.bends[k]);
         place.stiffness[lane] = b.stiffness_N_m;
-        place.friction_spring[lane] = kFrictionSpring * b.stiffness_N_m;
-        place.most[lane] = b.friction_N / place.friction_spring[lane];
+        place.most[lane] = b.friction_N / (kFrictionSpring * b.stiffness_N_m);
       }
       Factor(bends, row, share_kg, lane, group.places);
     }
@@ -174,8 +173,8 @@ void BendSolver::Apply(float h, const Group& group, const Vec4Array& x, std::vec
       const Float8 holds = Min(Max(Of(held), bent - most), bent + most);
       holds.Store(held.data());
       for (std::size_t lane = 0; lane < kLanes8; ++lane) set[p.bend[lane]] = held[lane];
-      pull = later * Of(p.stiffness) +
-             now * (Of(p.friction_spring) * (bent - holds) / (bent + kFlat_m));
+      const Float8 rubs = Of(p.stiffness) * kFrictionSpring * (bent - holds) / (bent + kFlat_m);
+      pull = later * Of(p.stiffness) + now * rubs;
       now_1 = now_2, now_2 = now_3;
       later_1 = later_2, later_2 = later_3;
     }

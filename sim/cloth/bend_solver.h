@@ -24,7 +24,7 @@ namespace gusset {
 /// bending.
 class BendSolver {
  public:
-  /// Throws std::invalid_argument if bends form a ring.
+  /// Throws std::invalid_argument if bends form a ring, or two begin with the same two nodes.
   /// @param h_s        of a substep.
   /// @param damping_s  of the elastic part.
   BendSolver(const std::vector<ClothBend>& bends, const std::vector<float>& inv_mass, float h_s,
@@ -44,9 +44,9 @@ class BendSolver {
   struct alignas(32) Place {
     std::array<std::uint16_t, kLanes8> node;
     std::array<std::uint16_t, kLanes8> bend;
-    Lanes stiffness, friction_spring, most;  ///< N/m, N/m; m of strain before friction slips.
-    Lanes inv_rows;                          ///< One over the rows that share the node's mass.
-    Lanes inv_pivot, lower_1, lower_2;       ///< Of M + s K: D^-1, L next to the diagonal.
+    Lanes stiffness, most;              ///< N/m; m of strain before friction slips.
+    Lanes inv_rows;                     ///< One over the rows that share the node's mass.
+    Lanes inv_pivot, lower_1, lower_2;  ///< Of M + s K: D^-1, L next to the diagonal.
   };
   struct Group {
     std::size_t count = 0;  ///< Lanes past it hold the first row again.

@@ -47,6 +47,12 @@ Vec3f RigidContact::Sample::At(const Vec4Array& x) const {
   return p;
 }
 
+float RigidContact::Sample::InvMass(const std::vector<float>& inv_mass) const {
+  float w = 0;
+  for (int k = 0; k < count; ++k) w += weight[k] * weight[k] * inv_mass[node[k]];
+  return w;
+}
+
 void RigidContact::Invalidate() {
   since_find_ = 0;
   near_samples_.clear();
@@ -143,8 +149,6 @@ void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overla
   const float depth = target - overlap.distance_m;
   if (depth <= 0) return;
   const Vec3f p = m.At(x);
-  float w = 0;
-  for (int k = 0; k < m.count; ++k) w += m.weight[k] * m.weight[k] * inv_mass[m.node[k]];
   const Vec3f& n = overlap.normal;
   const Vec3f slip3 = p - shape.X_WS * overlap.p_S_before;  // relative to the body's own motion
   const Vec3f slip = slip3 - n * n.dot(slip3);
@@ -152,12 +156,8 @@ void RigidContact::PushOut(const Substep& substep, const Sample& m, const Overla
   const float most = shape.friction * depth;
   const Vec3f move = n * depth - slip * (slip_m > most ? most / slip_m : 1.0f);
   const Vec3f arm = p - shape.X_WS.translation();
-  float w_body = shape.inv_mass;
-  if (w_body > 0) {
-    const Vec3f rn = arm.cross(n);
-    w_body += rn.dot(shape.inv_inertia_W * rn);
-  }
-  const Vec3f push = move / (w + w_body);
+  const float w_body = InvMassAt(shape, arm, n);
+  const Vec3f push = move / (m.InvMass(inv_mass) + w_body);
   for (int k = 0; k < m.count; ++k) {
     x[m.node[k]].head<3>() += push * (m.weight[k] * inv_mass[m.node[k]]);
   }
@@ -276,16 +276,13 @@ void RigidContact::EndSubstep(const std::vector<float>& inv_mass, float h, Vec4A
   for (const Pushed& c : pushed_) {
     const Sample& m = c.at;
     RigidShape& shape = *c.shape;
-    float w = 0;
-    for (int k = 0; k < m.count; ++k) w += m.weight[k] * m.weight[k] * inv_mass[m.node[k]];
     // The body's own point, from where it was to where it is.
     const Vec3f p = shape.X_WS.translation() + c.arm;
     const Vec3f v_body = (p - shape.X_WS_prev * (shape.X_WS.inverse() * p)) / h;
     const float apart = c.normal.dot(m.At(v) - v_body);
     if (apart <= 0) continue;
-    const Vec3f rn = c.arm.cross(c.normal);
     const Vec3f impulse =
-        c.normal * (apart / (w + shape.inv_mass + rn.dot(shape.inv_inertia_W * rn)));
+        c.normal * (apart / (m.InvMass(inv_mass) + InvMassAt(shape, c.arm, c.normal)));
     for (int k = 0; k < m.count; ++k) {
       v[m.node[k]].head<3>() -= impulse * (m.weight[k] * inv_mass[m.node[k]]);
     }

@@ -51,6 +51,7 @@ class RigidContact {
     std::array<float, 3> weight;
     int count;
     Vec3f At(const Vec4Array& x) const;
+    float InvMass(const std::vector<float>& inv_mass) const;  ///< Of its nodes' means.
   };
   struct Substep {
     const Vec4Array& x_prev;

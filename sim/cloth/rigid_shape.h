@@ -28,6 +28,13 @@ struct RigidShape {
   float squeeze_minus_x = 0;
 };
 
+/// What a unit impulse along `direction` at `arm` from the centre changes the speed there by, 1/kg.
+inline float InvMassAt(const RigidShape& shape, const Vec3f& arm, const Vec3f& direction) {
+  if (shape.inv_mass == 0) return 0;
+  const Vec3f turned = arm.cross(direction);
+  return shape.inv_mass + turned.dot(shape.inv_inertia_W * turned);
+}
+
 /// True only if SignedDistance is at least `gap_m` (positive): a cheap look before it.
 inline bool ClearlyOff(const RigidShape& shape, const Vec3f& p_S, float gap_m) {
   if (shape.kind == RigidShape::Kind::kBox) {
