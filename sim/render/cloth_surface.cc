@@ -202,12 +202,17 @@ void ClothSurface::Refine() {
         middle_of.try_emplace({a, b}, static_cast<unsigned>(uv_layer_.size()));
     if (!is_new) continue;
     Midpoint midpoint{a, b, static_cast<std::uint32_t>(taps_.size()), 0};
+    // The cloth there is what the same stencil takes from the nodes, which is not the edge's middle
+    // beside a node with other than six neighbours: so prints lie where they are on flat cloth.
+    Eigen::Vector2f uv = Eigen::Vector2f::Zero();
     for (const auto& [vertex, weight] : MidpointRule(mesh, uv_layer_, a, b)) {
-      if (weight != 0) taps_.push_back({vertex, weight});
+      if (weight == 0) continue;
+      taps_.push_back({vertex, weight});
+      uv += weight * uv_layer_[vertex].head<2>();
     }
     midpoint.taps_end = static_cast<std::uint32_t>(taps_.size());
     midpoints_.push_back(midpoint);
-    uv_layer_.push_back((uv_layer_[a] + uv_layer_[b]) / 2);
+    uv_layer_.emplace_back(uv.x(), uv.y(), uv_layer_[a].z());
   }
   Triangles fine;
   fine.reserve(4 * triangles_.size());

@@ -34,6 +34,19 @@ TEST(ClothSurface, KeepsFlatClothFlat) {
   }
 }
 
+// What is printed on flat cloth must not be drawn elsewhere, nor larger: wherever the surface has
+// its vertices, their coordinates are those of the cloth there.
+TEST(ClothSurface, ShowsFlatClothWhereItIs) {
+  const ClothItem bag = FlatBag();
+  ClothSurface surface(bag, 2);
+  surface.Update(bag);
+  const Eigen::Vector2f shift = bag.x[0].head<2>() - bag.uv[0];
+  for (std::size_t v = 0; v < surface.positions().size(); ++v) {
+    const Eigen::Vector2f expected = surface.uv_layer()[v].head<2>() + shift;
+    EXPECT_LT((surface.positions()[v].head<2>() - expected).norm(), 1e-6f);
+  }
+}
+
 TEST(ClothSurface, FollowsARollBetweenNodes) {
   // A roll of 30 mm radius: chords of 20 mm nodes miss it by 20^2 / (8 * 30) = 1.7 mm.
   constexpr float kRadius = 0.03f;
