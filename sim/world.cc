@@ -14,12 +14,12 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/gravity.h"
 #include "sim/cloth/bullet_cloth.h"
 
 namespace gusset {
 namespace {
 
-constexpr double kGravity = 9.81;
 // Force readings are averaged over this time, as an arm's own filter does.
 constexpr double kForceWindow_s = 0.02;
 // Of table, canvas and fingertips together; tuned to stop a guarded move within a tenth of a mm.
@@ -88,7 +88,7 @@ struct World::Impl {
     dispatcher = std::make_unique<btCollisionDispatcher>(&collision_config);
     world = std::make_unique<btSoftRigidDynamicsWorld>(dispatcher.get(), &broadphase, &rigid_solver,
                                                        &collision_config, &cloth_solver);
-    world->setGravity(btVector3(0, 0, btScalar(-kGravity)));
+    world->setGravity(btVector3(0, 0, btScalar(-kGravity_m_s2)));
     world->getWorldInfo().m_gravity = world->getGravity();
     // The table: a thick slab, so that nothing ends up beneath it.
     table_shape = std::make_unique<btBoxShape>(btVector3(2, 2, 0.5f));
@@ -297,7 +297,7 @@ struct World::Impl {
     const Eigen::Vector3d dv = FromBullet(cube->getLinearVelocity()) - cube_velocity_before;
     const Eigen::Vector3d from_cloth =
         shapes[0].impulse.cast<double>() / h + shapes[0].squeeze.cast<double>();
-    return -(config.cube_mass_kg * (dv / h + Eigen::Vector3d(0, 0, kGravity)) - from_cloth);
+    return -(config.cube_mass_kg * (dv / h + Eigen::Vector3d(0, 0, kGravity_m_s2)) - from_cloth);
   }
 
   // A link that is driven into the table feels it as a stiff spring.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/gravity.h"
 #include "sim/cloth/bag_config.h"
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/bend_solver.h"
@@ -87,7 +88,8 @@ class Cloth {
   /// Largest stretch ratio of the yarns now, and the node where it is.
   float MaxStretch(int* where = nullptr) const;
   const SelfContact& contact() const { return contact_; }
-  Vec3f gravity_m_s2{0, 0, -9.81f};  ///< World; tilting it tilts the table.
+  Vec3f gravity_m_s2{0, 0,
+                     static_cast<float>(-kGravity_m_s2)};  ///< World; tilting it tilts the table.
 
  private:
   Vec3f At(std::size_t node) const { return x_[node].head<3>(); }

@@ -3,12 +3,11 @@
 #include <cassert>
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
 
+#include "base/gravity.h"
 #include "sim/robot/kdl_chain.h"
 
 namespace gusset {
 namespace {
-
-constexpr double kGravity_m_s2 = 9.81;
 
 KDL::Vector GravityInBase(const ArmModel& arm) {
   const Eigen::Vector3d g = arm.X_WB().linear().transpose() * Eigen::Vector3d(0, 0, -kGravity_m_s2);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "agents/bagging_env.h"
+#include "base/gravity.h"
 #include "base/random.h"
 #include "sim/cloth/bag_mesh.h"
 #include "sim/sim_scene.h"
@@ -65,7 +66,6 @@ class SimTestbed : public Testbed {
 // The carry weighs the bag to tell whether the cube is in it. Another bag's limit would say so of
 // all, or of none.
 void RefuseLimitOfAnotherBag(const ConfigTree& config, double filled_N, const SimConfig& sim) {
-  constexpr double kGravity_m_s2 = 9.81;
   double bag_kg = 0;
   for (const float node_kg : MakeBagMesh(sim.bag).mass_kg) bag_kg += node_kg;
   const double empty_N = kGravity_m_s2 * bag_kg;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/gravity.h"
 #include "sim/hand_scene.h"
 
 namespace gusset {
@@ -36,12 +37,12 @@ struct BtDeformableDrag::Impl {
         dispatcher(&collision_config),
         world(&dispatcher, &broadphase, &constraint_solver, &collision_config, &solver),
         spring(btScalar(stock.spring_N_m), btScalar(stock.damping_Ns_m), true, stock.bending_N_m),
-        gravity(btVector3(0, 0, btScalar(-9.81))),
+        gravity(btVector3(0, 0, btScalar(-kGravity_m_s2))),
         table_shape(btVector3(1, 1, btScalar(0.5 * kTableDepth_m))),
         cube_shape(btVector3(1, 1, 1) * btScalar(0.5 * sim.world.cube_side_m)),
         hand_shape(btScalar(0.002)) {
     constraint_solver.setDeformableSolver(&solver);
-    world.setGravity(btVector3(0, 0, btScalar(-9.81)));
+    world.setGravity(btVector3(0, 0, btScalar(-kGravity_m_s2)));
     world.getWorldInfo().m_gravity = world.getGravity();
     world.getWorldInfo().m_sparsesdf.setDefaultVoxelsz(0.25f);
     world.getWorldInfo().m_sparsesdf.Reset();
