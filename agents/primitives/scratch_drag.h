@@ -19,8 +19,8 @@ struct ScratchDragConfig {
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
   double drag_least_m = 0.175;  ///< ... and dragged towards the target, at least so far, for a flap
   double drag_most_m = 0.175;   ///< of canvas that is shorter springs back, and at most so far:
-                                ///< beyond, the lip draws the rim's corners together. Limp cloth
-                                ///< does so sooner: Bag 2's file has less.
+                                ///< the further, the closer the lip draws the rim's corners
+                                ///< together. Limp cloth stays anyway: Bag 2's file has less.
   double drag_speed_m_s = 0.15;
   double release_height_m = 0.02;
   double release_opening_m = 0.045;  ///< Half open: enough to let go of one layer.
