@@ -99,8 +99,6 @@ void CheckOrder(const ConfigTree& tree, const std::string& section, const std::s
 
 void BaggingConfig::Read(ConfigTree& tree) {
   VisitSections(*this, Sections{tree});
-  CheckOrder(tree, "primitives.scratch_drag", "drag_least_m", scratch_drag.drag_least_m,
-             "drag_most_m", scratch_drag.drag_most_m);
   CheckOrder(tree, "perception", "hem_min_px", perception.hem_min_px, "hem_max_px",
              perception.hem_max_px);
   CheckOrder(tree, "perception", "depth_min_m", perception.depth_min_m, "depth_max_m",

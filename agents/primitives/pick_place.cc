@@ -10,7 +10,8 @@ namespace {
 // Draws one side of a mouth away from the other: the one that lies farther from the rim, for that
 // is the layer on top. Along the body it lies where it is drawn to; a lip that is drawn back from
 // the rim becomes a flap and springs back, unless it is drawn as far as an opening is
-// (ScratchDrag).
+// (ScratchDrag). A lip that lies nearer its rim than halfway there is no flap yet: it has slid back
+// flat, and what it slid does not count.
 void Widen(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
            const ScratchDragConfig& scratch, const MotionConfig& motion) {
   const auto& [a_W, b_W] = mouth.width->sides_W;
@@ -18,8 +19,9 @@ void Widen(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
   const bool b_is_inner = apart.dot(mouth.rim_outward_W) < 0;
   const Eigen::Vector3d way = (b_is_inner ? 1 : -1) * apart.normalized();
   const double back_rad = std::acos(std::clamp(-way.dot(mouth.rim_outward_W), -1.0, 1.0));
+  const double flap_m = apart.norm() < 0.5 * scratch.drag_m ? 0 : apart.norm();
   const double drawn_m = back_rad < config.back_deg * std::numbers::pi / 180
-                             ? std::max(config.widen_m, scratch.drag_least_m - apart.norm())
+                             ? std::max(config.widen_m, scratch.drag_m - flap_m)
                              : config.widen_m;
   ScratchDragConfig low = scratch;
   low.lift_m = config.widen_lift_m;

@@ -1,15 +1,12 @@
 #include "agents/primitives/scratch_drag.h"
 
-#include <algorithm>
-
 namespace gusset {
 
 void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& target_W,
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion) {
-  const Eigen::Vector3d drag = At(target_W - p_W, 0);
-  const double length = std::clamp(drag.norm(), config.drag_least_m, config.drag_most_m);
-  DrawLayer(tool, p_W, length * drag.normalized(), along_W, config, motion);
+  const Eigen::Vector3d way = At(target_W - p_W, 0).normalized();
+  DrawLayer(tool, p_W, config.drag_m * way, along_W, config, motion);
 }
 
 Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
@@ -48,12 +45,11 @@ void BringLayer(ToolMotion& tool, const Eigen::Vector3d& seized_W, const Eigen::
 void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                const MotionConfig& motion) {
-  const Eigen::Vector3d drag = Within(config.drag_most_m, drag_W);
   // tau_scratch: touch the cloth, close along the rim.
-  const Eigen::Vector3d seized_W = SeizeLayer(tool, p_W, drag, along_W, config, motion);
+  const Eigen::Vector3d seized_W = SeizeLayer(tool, p_W, drag_W, along_W, config, motion);
 
   // mu_drag: raise the layer, carry it over the target, let go.
-  const Eigen::Vector3d target_W = seized_W + drag;
+  const Eigen::Vector3d target_W = seized_W + drag_W;
   BringLayer(tool, seized_W, target_W, config);
   tool.Fingers(config.release_opening_m);
   tool.Go(At(target_W, motion.approach_m), config.rise_speed_m_s);

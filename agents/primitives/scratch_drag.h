@@ -17,10 +17,10 @@ struct ScratchDragConfig {
   int asides = 2;              ///< Then, or still without any, the fingers try again so often ...
   double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes.
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
-  double drag_least_m = 0.175;  ///< ... and dragged towards the target, at least so far, for a flap
-  double drag_most_m = 0.175;   ///< of canvas that is shorter springs back, and at most so far:
-                                ///< the further, the closer the lip draws the rim's corners
-                                ///< together. Limp cloth stays anyway: Bag 2's file has less.
+  double drag_m = 0.175;       ///< ... and dragged so far towards the target: a shorter flap of
+                               ///< canvas springs back, and the further, the closer the lip draws
+                               ///< the rim's corners together. Limp cloth stays anyway: Bag 2's
+                               ///< file has less.
   double drag_speed_m_s = 0.15;
   double release_height_m = 0.02;
   double release_opening_m = 0.045;  ///< Half open: enough to let go of one layer.
@@ -36,8 +36,7 @@ struct ScratchDragConfig {
     v("asides", asides, Range{0, 10});
     v("aside_m", aside_m, Range{0, 0.1});
     v("lift_m", lift_m, Range{0.01, 0.25});
-    v("drag_least_m", drag_least_m, Range{0, 0.5});
-    v("drag_most_m", drag_most_m, Range{0.02, 0.5});
+    v("drag_m", drag_m, Range{0.02, 0.5});
     v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
     v("release_opening_m", release_opening_m, Range{0.01, 0.085});
@@ -63,7 +62,7 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
 void BringLayer(ToolMotion& tool, const Eigen::Vector3d& seized_W, const Eigen::Vector3d& target_W,
                 const ScratchDragConfig& config);
 
-/// Scratches and drags by a given way, which is shortened to drag_most_m alone.
+/// Scratches and drags by drag_W, however far that is.
 void DrawLayer(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& drag_W,
                const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                const MotionConfig& motion);

@@ -296,20 +296,17 @@ TEST_F(BaggingEnvTest, GraspLiftBeginsAboveTheEdgeAtItsPoint) {
 
 TEST_F(BaggingEnvTest, ScratchDragTakesTheLayerFromThePointTowardsTheTarget) {
   rig_.contact_height_m = 0.003;
-  // Farther than the longest drag, and nearer than the shortest.
+  // Farther than a layer is drawn, and nearer.
   for (const auto& [point, to] : {std::pair(2, 7), std::pair(4, 1)}) {
     (void)Act(1, point * 9 + to, 2);
     const Eigen::Vector3d grasp = env_.before().grasp_points[point].p_W;
     const Eigen::Vector3d target = env_.before().place_points[to].p_W;
     const std::vector<Eigen::Vector3d> path = Path();
     EXPECT_NEAR((path.front() - grasp).head<2>().norm(), 0, 1e-12);
-    // Straight towards the target, no less than the shortest and no more than the longest drag.
+    // Straight towards the target, as far as a layer is drawn.
     const Eigen::Vector2d asked = (target - grasp).head<2>();
     const Eigen::Vector2d dragged = (path.back() - grasp).head<2>();
-    EXPECT_NEAR(dragged.norm(),
-                std::clamp(asked.norm(), config_.scratch_drag.drag_least_m,
-                           config_.scratch_drag.drag_most_m),
-                1e-12);
+    EXPECT_NEAR(dragged.norm(), config_.scratch_drag.drag_m, 1e-12);
     EXPECT_NEAR(dragged.normalized().dot(asked.normalized()), 1, 1e-12);
     // No deeper than the touch before the fingers close.
     for (const Eigen::Vector3d& p : HeldPath()) EXPECT_GE(p.z(), 0.003);
@@ -455,31 +452,34 @@ TEST_F(BaggingEnvTest, PickPlaceDrawsTheInnerSideOfANarrowMouthAwayFromTheOther)
   Eigen::Vector2d outer = env_.before().width->sides[1].p_W.head<2>();
   if (inner.dot(outward) > outer.dot(outward)) std::swap(inner, outer);
   const Eigen::Vector2d way = (inner - outer).normalized();
+  const double apart = (inner - outer).norm();
   const double off_deg = std::acos(-way.dot(outward)) * 180 / std::numbers::pi;
-  ASSERT_GT(config_.scratch_drag.drag_least_m - (inner - outer).norm(), config_.pick_place.widen_m);
-  for (const double back_deg : {off_deg - 0.1, off_deg + 0.1}) {
-    config_.pick_place.back_deg = back_deg;
-    for (const double lift_m : {0.03, 0.05}) {
-      config_.pick_place.widen_lift_m = lift_m;
-      BaggingEnv env(rig_, rig_, rig_, rig_, config_);
-      rig_.moves.clear();
-      (void)env.Begin("2", 5);
-      ASSERT_EQ(env.Act(5).log["note"], "mouth widened instead");
-      const std::vector<Eigen::Vector3d> path = HeldPath();
-      const Eigen::Vector2d grasp = inner + config_.pick_place.grasp_inset_m * way;
-      EXPECT_NEAR((path.front().head<2>() - grasp).norm(), 0, 1e-9);
-      // As far as an opening if that is the way back from the rim.
-      const double drawn = back_deg > off_deg
-                               ? config_.scratch_drag.drag_least_m - (inner - outer).norm()
-                               : config_.pick_place.widen_m;
-      EXPECT_NEAR((path.back().head<2>() - (grasp + drawn * way)).norm(), 0, 1e-9);
-      double touched = 1, highest = 0;
-      for (const Move& move : rig_.moves) {
-        if (move.kind == Move::kUntilContact) touched = move.X_WT.translation().z();
-      }
-      for (const Eigen::Vector3d& p : path) highest = std::max(highest, p.z());
-      EXPECT_NEAR(highest - touched, lift_m, 1e-9);
+  config_.pick_place.widen_m = 0.5 * apart;
+  struct Case {
+    double back_deg, opening, lift_m, drawn;  // opening and drawn as multiples of apart
+  };
+  // As far as an opening if that is the way back from the rim, of which a lip beyond halfway has
+  // gone a part.
+  for (const Case& c : {Case{off_deg - 0.1, 1.9, 0.03, 0.5}, Case{off_deg + 0.1, 1.9, 0.03, 0.9},
+                        Case{off_deg + 0.1, 2.1, 0.05, 2.1}, Case{off_deg - 0.1, 2.1, 0.05, 0.5},
+                        Case{off_deg + 0.1, 1.4, 0.03, 0.5}}) {
+    config_.pick_place.back_deg = c.back_deg;
+    config_.pick_place.widen_lift_m = c.lift_m;
+    config_.scratch_drag.drag_m = c.opening * apart;
+    BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+    rig_.moves.clear();
+    (void)env.Begin("2", 5);
+    ASSERT_EQ(env.Act(5).log["note"], "mouth widened instead");
+    const std::vector<Eigen::Vector3d> path = HeldPath();
+    const Eigen::Vector2d grasp = inner + config_.pick_place.grasp_inset_m * way;
+    EXPECT_NEAR((path.front().head<2>() - grasp).norm(), 0, 1e-9);
+    EXPECT_NEAR((path.back().head<2>() - (grasp + c.drawn * apart * way)).norm(), 0, 1e-9);
+    double touched = 1, highest = 0;
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kUntilContact) touched = move.X_WT.translation().z();
     }
+    for (const Eigen::Vector3d& p : path) highest = std::max(highest, p.z());
+    EXPECT_NEAR(highest - touched, c.lift_m, 1e-9);
   }
 }
 

@@ -96,10 +96,6 @@ TEST_F(Cli, ValuesOutOfBoundsNameKeyValueBoundAndSource) {
   const fs::path config = Write("c.toml", "\n[primitives]\nsettle_s = -1\n");
   ExpectRefused("train --config " + config.string() + out,
                 "c.toml:3: primitives.settle_s = -1 is not within [0, 10]");
-  ExpectRefused("train --set primitives.scratch_drag.drag_most_m=0.15" + out,
-                "primitives.scratch_drag.drag_most_m = 0.15 is below drag_least_m = 0.175");
-  ExpectRefused("train --set primitives.scratch_drag.drag_least_m=0.25" + out,
-                "primitives.scratch_drag.drag_least_m = 0.25 is above drag_most_m = 0.175");
   ExpectRefused("train --set perception.hem_min_px=9.5" + out,
                 "perception.hem_min_px = 9.5 is above hem_max_px = 9");
   ExpectRefused("train --set perception.depth_max_m=0.2" + out,

@@ -15,7 +15,7 @@ TEST(Settings, ARunsBagLeavesNothingBehindForAnotherBag) {
   CommonOptions common;
   common.assignments = {"primitives.pick_place.widen_m=0.04"};
   const Settings run = LoadSettings(common, {.bag = "bag2"});
-  ASSERT_NE(run.bagging.scratch_drag.drag_least_m, ScratchDragConfig().drag_least_m);
+  ASSERT_NE(run.bagging.scratch_drag.drag_m, ScratchDragConfig().drag_m);
   const TemporaryFolder folder;
   const std::filesystem::path config = folder.path() / "config.toml";
   WriteFileAtomic(config, run.resolved);
@@ -23,7 +23,7 @@ TEST(Settings, ARunsBagLeavesNothingBehindForAnotherBag) {
   const Settings same = LoadSettings({}, {.base = config, .bag = "bag2"});
   EXPECT_EQ(same.resolved, run.resolved);
   const Settings other = LoadSettings({}, {.base = config, .bag = "bag1"});
-  EXPECT_EQ(other.bagging.scratch_drag.drag_least_m, ScratchDragConfig().drag_least_m);
+  EXPECT_EQ(other.bagging.scratch_drag.drag_m, ScratchDragConfig().drag_m);
   EXPECT_EQ(other.bagging.pick_place.slit_m, PickPlaceConfig().slit_m);
   EXPECT_EQ(other.bagging.pick_place.widen_m, 0.04) << "the run's own choice";
 }
