@@ -9,7 +9,8 @@ namespace gusset {
 /// starts of Bag 1 (docs/experiments.md).
 struct GraspLiftConfig {
   double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
-  double contact_force_N = 1.5;  ///< Felt on the way down: close there ...
+  double contact_force_N = 0.7;  ///< Felt on the way down: close there (with more, they gather the
+                                 ///< plies of both halves of a folded bag) ...
   int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
   double press_factor = 1.6;     ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
