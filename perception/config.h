@@ -53,7 +53,7 @@ struct PerceptionConfig {
   double point_inset_px = 4;   ///< Pose points stay this far inside the cloth's edge.
 
   double edge_cone_deg = 25;  ///< In s0 a grasp is at the bag's edge this near a pose point's side,
-  double edge_inset_px = 9;   ///< 15 mm inside it (docs/experiments.md),
+  double edge_inset_px = 9;   ///< 15 mm inside it (docs/primitives.md),
   double edge_central_px = 15;  ///< unless the point is this near the middle: that one has no side.
 
   double cube_side_m = 0.035;

@@ -6,7 +6,7 @@ namespace gusset {
 
 /// tau_grasp and mu_lift, the pair of s0. Section [primitives.grasp_lift]. Heights are those of the
 /// fingertips above the table; lengths lie in the table's plane. All tuned, 2026-11, on folded
-/// starts of Bag 1 (docs/experiments.md).
+/// starts of Bag 1 (docs/primitives.md).
 struct GraspLiftConfig {
   double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
   double contact_force_N = 0.7;  ///< Felt on the way down: close there (with more, they gather the
