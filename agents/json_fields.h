@@ -1,12 +1,28 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "base/error.h"
 
 namespace gusset {
+
+/// What a user may have edited is refused beyond this depth of objects and arrays: nothing here has
+/// more than ten, and the library that reads them needs stack for each.
+constexpr int kMostJsonDepth = 64;
+
+/// @throws nlohmann::json::exception if it is not JSON, InputError if it is nested too deep.
+inline nlohmann::json ParseJson(std::string_view text) {
+  return nlohmann::json::parse(
+      text, [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+        if (depth <= kMostJsonDepth) return true;
+        throw InputError("is nested deeper than " + std::to_string(kMostJsonDepth) + " levels");
+      });
+}
 
 /// Reads one field of a JSON object that a user may have edited.
 /// @throws InputError `key is missing`, `key must be ...` or `key = v is not within [lo, hi]`.
@@ -18,7 +34,9 @@ T JsonField(const nlohmann::json& object, const std::string& key) {
   if constexpr (std::is_same_v<T, bool>) {
     fits = value.is_boolean();
   } else if constexpr (std::is_integral_v<T>) {
-    fits = value.is_number_integer();
+    fits = value.is_number_unsigned()
+               ? std::in_range<T>(value.get<std::uint64_t>())
+               : value.is_number_integer() && std::in_range<T>(value.get<std::int64_t>());
   } else if constexpr (std::is_floating_point_v<T>) {
     fits = value.is_number() && std::isfinite(value.get<double>());
   } else if constexpr (std::is_same_v<T, std::string>) {
@@ -26,7 +44,7 @@ T JsonField(const nlohmann::json& object, const std::string& key) {
   } else if constexpr (std::is_same_v<T, nlohmann::json::array_t>) {
     fits = value.is_array();
   }
-  if (!fits) throw InputError(key + " = " + value.dump() + " has the wrong type");
+  if (!fits) throw InputError(key + " = " + value.dump() + " has the wrong type or size");
   return value.get<T>();
 }
 

@@ -48,6 +48,8 @@ cv::Scalar Heat(double t) {
   return {255 * cold, 255 * std::min(cold, warm), 255 * warm};
 }
 
+constexpr int kMostPoints = 1000;  // far beyond what any state has
+
 }  // namespace
 
 std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file) {
@@ -57,11 +59,11 @@ std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file) {
   for (std::string line; std::getline(lines, line);) {
     ++number;
     try {
-      const nlohmann::json json = nlohmann::json::parse(line);
+      const nlohmann::json json = ParseJson(line);
       const auto state = JsonField<int>(json, "state", 0, kActingStates - 1);
-      LoggedStep step{state, JsonField<int>(json, "point"), JsonField<double>(json, "reward"),
-                      JsonField<std::string>(json, "kind") == "train",
-                      json.value("pair", state) == state};
+      LoggedStep step{
+          state, JsonField<int>(json, "point", 0, kMostPoints), JsonField<double>(json, "reward"),
+          JsonField<std::string>(json, "kind") == "train", json.value("pair", state) == state};
       step.advanced =
           JsonField<bool>(json, "success") ||
           (!JsonField<bool>(json, "done") && JsonField<int>(json, "next_state") > state);

@@ -14,7 +14,11 @@ std::vector<nlohmann::json> ReadRunSteps(const std::filesystem::path& run) {
   const std::filesystem::path file = run / "steps.jsonl";
   std::istringstream lines(ReadFile(file));
   for (std::string line; std::getline(lines, line);) {
-    const nlohmann::json step = nlohmann::json::parse(line, nullptr, false);
+    nlohmann::json step;
+    try {
+      step = ParseJson(line);
+    } catch (const std::exception&) {  // as no step at all
+    }
     if (!step.is_object() || step.value("step", -1) != static_cast<int>(steps.size())) {
       throw InputError(file.string() + ":" + std::to_string(steps.size() + 1) +
                        ": is not the line of step " + std::to_string(steps.size()));

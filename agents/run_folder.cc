@@ -20,9 +20,12 @@ std::string OneLine(std::string text) {
 
 nlohmann::json ReadJson(const std::filesystem::path& file) {
   try {
-    return nlohmann::json::parse(ReadFile(file));
+    return ParseJson(ReadFile(file));
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file.string() + ": is not JSON: " + OneLine(e.what()));
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    throw InputError(what.starts_with(file.string()) ? what : file.string() + ": " + what);
   }
 }
 

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
 
+#include "agents/json_fields.h"
 #include "agents/outcome_fields.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -99,7 +101,15 @@ struct Progress {
   }
 
   void Load(const nlohmann::json& saved) {
-    const auto get = [&](const char* key, auto& value) { saved.at(key).get_to(value); };
+    // Whole numbers go through JsonField, which refuses those that do not fit.
+    const auto get = [&](const char* key, auto& value) {
+      using Value = std::remove_reference_t<decltype(value)>;
+      if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::uint64_t>) {
+        value = JsonField<Value>(saved, key);
+      } else {
+        saved.at(key).get_to(value);
+      }
+    };
     const std::size_t states = learnt.size();
     get("actions", actions);
     get("extra", extra);
@@ -119,6 +129,34 @@ struct Progress {
     for (const std::size_t size :
          {learnt.size(), extra_for.size(), pools.size(), source_size.size(), frozen_size.size()}) {
       if (size != states) throw InputError("is for another number of states");
+    }
+    CheckBounds();
+  }
+
+ private:
+  // Of what is used as an index or a count.
+  void CheckBounds() const {
+    const auto within = [](const std::string& name, int value, int lo, int hi) {
+      if (value >= lo && value <= hi) return;
+      throw InputError(name + " = " + std::to_string(value) + " is not within [" +
+                       std::to_string(lo) + ", " + std::to_string(hi) + "]");
+    };
+    constexpr int kMost = std::numeric_limits<int>::max();
+    within("actions", actions, 0, kMost);
+    within("extra", extra, 0, actions);
+    within("episode", episode, 0, actions);
+    within("episode_actions", episode_actions, 0, actions);
+    within("current", current, -1, actions - 1);
+    within("last_learnt", last_learnt, -1, actions - 1);
+    for (std::size_t s = 0; s < learnt.size(); ++s) {
+      const std::string at = "[" + std::to_string(s) + "]";
+      const int size = static_cast<int>(pools[s].size());
+      within("learnt" + at, learnt[s], 0, actions);
+      within("extra_for" + at, extra_for[s], 0, extra);
+      for (const int id : pools[s]) within("pools" + at, id, 0, actions - 1);
+      within("source_size" + at, source_size[s], -1,
+             s == 0 ? -1 : static_cast<int>(pools[s - 1].size()));
+      if (frozen_size[s] != -1) within("frozen_size" + at, frozen_size[s], 1, size);
     }
   }
 };
@@ -159,7 +197,7 @@ class Trainer {
   // Takes up the checkpoint, if there is one.
   void Resume() {
     const std::optional<nlohmann::json> checkpoint = folder_.ReadCheckpoint();
-    if (!checkpoint) return;
+    if (!checkpoint) return CheckThatNothingIsLost();
     try {
       progress_.Load(checkpoint->at("progress"));
       agent_.Load(checkpoint->at("agent"));
@@ -167,6 +205,18 @@ class Trainer {
       throw InputError(folder_.root().string() + "/checkpoint/state.json: " + e.what());
     }
     spdlog::info("continuing after {} actions", progress_.actions);
+  }
+
+  // Without a checkpoint training begins anew. A run that was killed before its first one has a
+  // line in its log at most.
+  void CheckThatNothingIsLost() const {
+    if (!std::filesystem::exists(folder_.steps())) return;
+    const std::string log = ReadFile(folder_.steps());
+    const auto lines = std::ranges::count(log, '\n');
+    if (lines <= 1) return;
+    throw InputError(folder_.root().string() +
+                     "/checkpoint/state.json: is missing, but steps.jsonl has " +
+                     std::to_string(lines) + " actions, which training anew would overwrite");
   }
 
   int states() const { return static_cast<int>(n_actions_.size()); }

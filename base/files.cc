@@ -117,7 +117,7 @@ std::filesystem::path MoveAside(const std::filesystem::path& path) {
 
 LineLog::LineLog(std::filesystem::path path, std::uint64_t keep_bytes)
     : path_(std::move(path)), bytes_(keep_bytes) {
-  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  fd_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (fd_ < 0) throw InputError(Reason(path_, "cannot write", errno));
   struct stat info = {};
   std::string problem;
@@ -126,6 +126,11 @@ LineLog::LineLog(std::filesystem::path path, std::uint64_t keep_bytes)
   } else if (static_cast<std::uint64_t>(info.st_size) < keep_bytes) {
     problem = path_.string() + ": has " + std::to_string(info.st_size) +
               " bytes, its checkpoint knows of " + std::to_string(keep_bytes);
+  } else if (char last = '\n';
+             keep_bytes > 0 &&
+             (::pread(fd_, &last, 1, static_cast<off_t>(keep_bytes) - 1) != 1 || last != '\n')) {
+    problem = path_.string() + ": no line ends at byte " + std::to_string(keep_bytes) +
+              ", up to which its checkpoint knows of it";
   } else if (::ftruncate(fd_, static_cast<off_t>(keep_bytes)) != 0 ||
              ::lseek(fd_, 0, SEEK_END) < 0) {
     problem = Reason(path_, "cannot write", errno);

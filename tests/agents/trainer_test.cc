@@ -55,6 +55,14 @@ class TrainerTest : public FolderTest {
     }
     return "";
   }
+  // @returns why the folder is not gone on with.
+  std::string Refusal(const RunFolder& folder, const TrainConfig& config) {
+    try {
+      return "not refused: " + Run(folder, config);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  }
   TrainSummary summary_;
 };
 
@@ -327,6 +335,41 @@ TEST_F(TrainerTest, ABrokenCheckpointIsRefusedInOneLine) {
       EXPECT_THAT(e.what(), testing::Not(testing::HasSubstr("\n")));
     }
   }
+}
+
+TEST_F(TrainerTest, ALostCheckpointDoesNotCostTheLog) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_NE(Run(folder, {.steps = 20}, 1, 7), "");
+  const std::string steps = ReadFile(folder.steps()), curve = ReadFile(folder.progress());
+  std::filesystem::remove(folder.root() / "checkpoint" / "state.json");
+  EXPECT_THAT(Refusal(folder, {.steps = 20}), testing::HasSubstr("state.json: is missing"));
+  EXPECT_EQ(ReadFile(folder.steps()), steps);
+  EXPECT_EQ(ReadFile(folder.progress()), curve);
+}
+
+// Each of these once crashed, or cut the log before it was refused.
+TEST_F(TrainerTest, ACheckpointWithImpossibleNumbersIsRefusedAndCostsNothing) {
+  const RunFolder folder = NewFolder("run");
+  ASSERT_EQ(Run(folder, {.steps = 5}), "");
+  const std::filesystem::path file = folder.root() / "checkpoint" / "state.json";
+  const std::string steps = ReadFile(folder.steps());
+  const json good = ReadJson(file);
+  const auto refused = [&](const char* key, const json& value, const char* why) {
+    json bad = good;
+    bad["progress"][json::json_pointer(key)] = value;
+    WriteFileAtomic(file, bad.dump());
+    EXPECT_THAT(Refusal(folder, {.steps = 5}), testing::HasSubstr(why)) << key << " " << value;
+    EXPECT_EQ(ReadFile(folder.steps()), steps);
+  };
+  refused("/frozen_size/3", 100000000, "frozen_size[3] = 100000000 is not within [1, ");
+  refused("/frozen_size/3", 0, "frozen_size[3] = 0 is not within [1, ");
+  refused("/learnt/0", -5, "learnt[0] = -5 is not within [0, ");
+  refused("/source_size/2", 100000000, "source_size[2]");
+  refused("/pools/1/0", -1, "pools[1] = -1");
+  refused("/actions", 4294967377, "actions = 4294967377 has the wrong type or size");
+  refused("/steps_bytes", 5, "no line ends at byte 5");
+  WriteFileAtomic(file, good.dump());
+  EXPECT_EQ(Run(folder, {.steps = 5}), "");
 }
 
 TEST_F(TrainerTest, TheCurveFileHasOneLinePerAction) {

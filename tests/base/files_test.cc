@@ -100,6 +100,8 @@ TEST_F(Files, ALineLogCutsWhatItsCheckpointDoesNotKnow) {
   }
   EXPECT_EQ(ReadFile(dir_ / "log"), "one\nthree\n");
   EXPECT_THROW(LineLog(dir_ / "log", 1000), InputError);
+  EXPECT_THROW(LineLog(dir_ / "log", 5), InputError) << "within a line";
+  EXPECT_EQ(ReadFile(dir_ / "log"), "one\nthree\n") << "what is refused is left as it is";
 }
 
 TEST_F(Files, AFullDiskLeavesOnlyWholeLines) {

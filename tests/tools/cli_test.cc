@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "base/files.h"
 #include "tests/temporary_folder.h"
 
 namespace gusset {
@@ -135,6 +136,19 @@ TEST_F(Cli, BagFilesThatDescribeNoBagAreRefused) {
   ExpectRefused(render("bag1") + " --set bag.friction_cube=2",
                 "--set: bag.friction_cube = 2 is not within [0.2, 0.8]");
   EXPECT_FALSE(fs::exists(dir_ / "frames"));
+}
+
+// What lies in a run's folder or an older corpus's is not written over.
+TEST_F(Cli, RenderLeavesFoldersAloneThatHoldSomething) {
+  for (const char* name : {"config.toml", "labels.jsonl"}) {
+    const fs::path folder = dir_ / (std::string("of_") + name);
+    fs::create_directory(folder);
+    WriteFileAtomic(folder / name, "kept");
+    ExpectRefused("render --state s1 --out " + folder.string(),
+                  std::string("has a ") + name + " already");
+    EXPECT_EQ(ReadFile(folder / name), "kept");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+  }
 }
 
 TEST_F(Cli, CamerasThatDoNotExistAreRefused) {

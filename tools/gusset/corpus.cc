@@ -40,7 +40,7 @@ std::vector<double> Numbers(const nlohmann::json& object, const std::string& key
 }
 
 LabelledFrame ParseLabel(const std::filesystem::path& folder, const std::string& line) {
-  const nlohmann::json label = nlohmann::json::parse(line);
+  const nlohmann::json label = ParseJson(line);
   const auto path = [&](const char* key) {
     return label.contains(key) ? folder / JsonField<std::string>(label, key)
                                : std::filesystem::path();
@@ -89,7 +89,7 @@ std::vector<LabelledFrame> ReadLabels(const std::filesystem::path& folder) {
 
 CameraModel ReadCamera(const std::filesystem::path& file) {
   try {
-    const nlohmann::json document = nlohmann::json::parse(ReadFile(file));
+    const nlohmann::json document = ParseJson(ReadFile(file));
     CameraModel camera;
     camera.pinhole.width = JsonField<int>(document, "width", 1, 100000);
     camera.pinhole.height = JsonField<int>(document, "height", 1, 100000);

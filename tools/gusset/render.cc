@@ -85,12 +85,16 @@ class RenderCommand final : public Command {
                                    vary_ ? std::optional<std::string>("1") : std::nullopt}}});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
     const std::filesystem::path out = out_;
+    for (const char* name : {"config.toml", "labels.jsonl"}) {
+      if (!std::filesystem::exists(out / name)) continue;
+      throw InputError(out_ + ": has a " + name + " already; choose another --out");
+    }
     MakeFolder(out);
-    LineLog labels(out / "labels.jsonl");
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
     WriteFileAtomic(out / "camera.json",
                     CameraJson(environment.testbed().camera().model()).dump(2) + "\n");
     WriteFileAtomic(out / "config.toml", settings.resolved);
+    LineLog labels(out / "labels.jsonl");
     for (int s = 0; s < kStates; ++s) {
       if (state_ == "all" || state_[1] - '0' == s) missing_[s] = count_;
     }

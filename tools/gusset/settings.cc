@@ -132,7 +132,7 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   if (bag) settings.tree.Load(BagFile(*bag));
   for (const std::string& file : common.config_files) settings.tree.Load(file);
   for (const std::string& assignment : common.assignments) settings.tree.Set(assignment);
-  if (bag) settings.tree.Set("train.bag=" + *bag, "--bag");
+  if (bag) settings.tree.Set("train.bag=" + nlohmann::json(*bag).dump(), "--bag");
   for (const Assignment& a : source.assignments) {
     if (a.value) settings.tree.Set(a.key + "=" + *a.value, a.option);
   }
