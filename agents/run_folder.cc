@@ -19,13 +19,13 @@ std::string OneLine(std::string text) {
 }  // namespace
 
 nlohmann::json ReadJson(const std::filesystem::path& file) {
+  const std::string text = ReadFile(file);
   try {
-    return ParseJson(ReadFile(file));
+    return ParseJson(text);
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file.string() + ": is not JSON: " + OneLine(e.what()));
   } catch (const InputError& e) {
-    const std::string what = e.what();
-    throw InputError(what.starts_with(file.string()) ? what : file.string() + ": " + what);
+    throw InputError(file.string() + ": " + e.what());
   }
 }
 
