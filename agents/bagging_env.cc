@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "agents/json_fields.h"
 #include "agents/look_files.h"
 #include "agents/rewards.h"
 #include "base/error.h"
@@ -262,7 +263,7 @@ FrameWriter BaggingEnv::Frames() const {
     document["before"] = WriteLook(prefix.string() + "_before", before, camera, config);
     document["after"] = WriteLook(prefix.string() + "_after", after, camera, config);
     // Last: what a JSON file tells of is there.
-    WriteFileAtomic(prefix.string() + ".json", document.dump(2) + "\n");
+    WriteFileAtomic(prefix.string() + ".json", JsonText(document));
   };
 }
 

@@ -24,6 +24,12 @@ inline nlohmann::json ParseJson(std::string_view text) {
       });
 }
 
+/// A document for people and programs; names of files in it that are not UTF-8, which JSON cannot
+/// hold, get replacement signs.
+inline std::string JsonText(const nlohmann::ordered_json& document) {
+  return document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 /// Reads one field of a JSON object that a user may have edited.
 /// @throws InputError `key is missing`, `key must be ...` or `key = v is not within [lo, hi]`.
 template <class T>

@@ -9,27 +9,44 @@
 
 namespace gusset {
 
+namespace {
+
+// A line with all that doing its action again takes.
+nlohmann::json CheckedStep(nlohmann::json step, int number) {
+  JsonField<int>(step, "step", number, number);
+  JsonField<int>(step, "state");
+  JsonField<int>(step, "action");
+  JsonField<std::uint64_t>(step, "sensor_seed");
+  const auto from = JsonField<nlohmann::json>(step, "from");
+  if (from.contains("seed")) {
+    JsonField<std::uint64_t>(from, "seed");
+  } else {
+    JsonField<int>(from, "step", 0, number - 1);
+  }
+  return step;
+}
+
+}  // namespace
+
 std::vector<nlohmann::json> ReadRunSteps(const std::filesystem::path& run) {
   std::vector<nlohmann::json> steps;
   const std::filesystem::path file = run / "steps.jsonl";
   std::istringstream lines(ReadFile(file));
   for (std::string line; std::getline(lines, line);) {
-    nlohmann::json step;
     try {
-      step = ParseJson(line);
-    } catch (const std::exception&) {  // as no step at all
+      steps.push_back(CheckedStep(ParseJson(line), static_cast<int>(steps.size())));
+    } catch (const std::exception& e) {
+      throw InputError(file.string() + ":" + std::to_string(steps.size() + 1) + ": " + e.what());
     }
-    if (!step.is_object() || step.value("step", -1) != static_cast<int>(steps.size())) {
-      throw InputError(file.string() + ":" + std::to_string(steps.size() + 1) +
-                       ": is not the line of step " + std::to_string(steps.size()));
-    }
-    steps.push_back(step);
   }
   const std::filesystem::path failed = run / "failed_step.json";
-  if (std::filesystem::exists(failed)) {
+  if (Exists(failed)) {
     const nlohmann::json step = ReadJson(failed);
-    if (step.is_object() && step.value("step", -1) == static_cast<int>(steps.size())) {
-      steps.push_back(step);
+    const int next = static_cast<int>(steps.size());
+    try {
+      if (JsonField<int>(step, "step") == next) steps.push_back(CheckedStep(step, next));
+    } catch (const InputError& e) {
+      throw InputError(failed.string() + ": " + e.what());
     }
   }
   return steps;

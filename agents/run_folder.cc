@@ -31,21 +31,21 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
 
 RunFolder RunFolder::Create(const std::filesystem::path& root, const std::string& config_toml,
                             const nlohmann::ordered_json& run) {
-  if (std::filesystem::exists(root / "config.toml")) {
+  if (Exists(root / "config.toml")) {
     throw InputError(root.string() +
                      ": holds a run already; continue it with --resume or choose another --out");
   }
   RunFolder folder(root);
   MakeFolder(root / "checkpoint");
   MakeFolder(folder.frames());
-  WriteFileAtomic(root / "run.json", run.dump(2) + "\n");
+  WriteFileAtomic(root / "run.json", JsonText(run));
   // Last: a folder with a config.toml is a run.
   WriteFileAtomic(folder.config(), config_toml);
   return folder;
 }
 
 RunFolder RunFolder::Open(const std::filesystem::path& root) {
-  if (!std::filesystem::exists(root / "config.toml")) {
+  if (!Exists(root / "config.toml")) {
     throw InputError(root.string() + ": is not a run folder: it has no config.toml");
   }
   return RunFolder(root);
@@ -57,7 +57,7 @@ std::filesystem::path RunFolder::SnapshotFile(int id) const {
 
 std::optional<nlohmann::json> RunFolder::ReadCheckpoint() const {
   const std::filesystem::path file = root_ / "checkpoint" / "state.json";
-  if (!std::filesystem::exists(file)) return std::nullopt;
+  if (!Exists(file)) return std::nullopt;
   return ReadJson(file);
 }
 
@@ -84,8 +84,8 @@ nlohmann::ordered_json PolicyJson(const Agent& agent, const nlohmann::ordered_js
 }
 
 std::filesystem::path PolicyFile(const std::filesystem::path& policy) {
-  if (!std::filesystem::is_directory(policy)) return policy;
-  if (!std::filesystem::exists(policy / "policy.json")) {
+  if (!IsFolder(policy)) return policy;
+  if (!Exists(policy / "policy.json")) {
     throw InputError(policy.string() + ": has no policy.json; its training has not ended");
   }
   return policy / "policy.json";

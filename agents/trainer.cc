@@ -210,7 +210,7 @@ class Trainer {
   // Without a checkpoint training begins anew. A run that was killed before its first one has a
   // line in its log at most.
   void CheckThatNothingIsLost() const {
-    if (!std::filesystem::exists(folder_.steps())) return;
+    if (!Exists(folder_.steps())) return;
     const std::string log = ReadFile(folder_.steps());
     const auto lines = std::ranges::count(log, '\n');
     if (lines <= 1) return;
@@ -312,7 +312,7 @@ class Trainer {
           {"step", progress_.actions},        {"state", trial.percept.state},
           {"action", trial.decision.action},  {"from", trial.from},
           {"sensor_seed", trial.sensor_seed}, {"error", e.what()}};
-      WriteFileAtomic(file, line.dump(2) + "\n");
+      WriteFileAtomic(file, JsonText(line));
       throw RunError(std::string(e.what()) + "; see it again with: gusset play --run " +
                      folder_.root().string() + " --step " + std::to_string(progress_.actions));
     }
@@ -558,7 +558,7 @@ TrainSummary Train(Workers& workers, Agent& agent, const TrainConfig& config,
                    const std::function<bool()>& stop) {
   ValidateOrThrow("train", config);
   const TrainSummary summary = Trainer(workers, agent, config, folder, stop).Run();
-  WriteFileAtomic(folder.policy(), PolicyJson(agent, about).dump(2) + "\n");
+  WriteFileAtomic(folder.policy(), JsonText(PolicyJson(agent, about)));
   return summary;
 }
 

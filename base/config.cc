@@ -33,6 +33,8 @@ struct Entry {
 
 // A config file is written by hand; anything larger is another kind of file.
 constexpr std::size_t kMaxConfigBytes = 4 << 20;
+// One key of many parts fills one line; toml++ needs stack for each part, and time for each two.
+constexpr std::size_t kMaxLineBytes = 10000;
 
 std::string Dotted(std::string_view section, std::string_view key) {
   return section.empty() ? std::string(key) : std::string(section) + "." + std::string(key);
@@ -370,6 +372,15 @@ void ConfigTree::Load(const std::filesystem::path& file) {
 }
 
 void ConfigTree::Parse(std::string_view text, std::string_view name) {
+  int line = 1;
+  for (std::size_t at = 0; at < text.size(); ++line) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    if (end - at > kMaxLineBytes) {
+      throw InputError(std::string(name) + ":" + std::to_string(line) + ": is longer than " +
+                       std::to_string(kMaxLineBytes) + " bytes");
+    }
+    at = end + 1;
+  }
   try {
     impl_->Flatten(toml::parse(text), "", std::string(name), true);
   } catch (const toml::parse_error& e) {
@@ -393,6 +404,10 @@ void ConfigTree::Set(std::string_view assignment, std::string_view origin) {
   const std::string source(origin);
   const std::size_t equals = assignment.find('=');
   const std::string_view key = Trimmed(assignment.substr(0, equals));
+  if (assignment.size() > kMaxLineBytes) {
+    throw InputError(source + ": " + std::string(assignment.substr(0, 40)) + "... is longer than " +
+                     std::to_string(kMaxLineBytes) + " bytes");
+  }
   if (equals == std::string_view::npos || !IsDottedKey(key)) {
     throw InputError(source + ": " + OneLine(assignment) + " is not section.key=value");
   }
@@ -411,6 +426,10 @@ void ConfigTree::Set(std::string_view assignment, std::string_view origin) {
   toml::table renamed;
   renamed.insert_or_assign(key, std::move(*parsed.get("value")));
   impl_->Flatten(renamed, "", source, false);
+}
+
+void ConfigTree::SetText(std::string_view key, const std::string& text, std::string_view origin) {
+  Set(std::string(key) + "=" + Quoted(text), origin);
 }
 
 std::unique_ptr<ConfigVisitor> ConfigTree::Reader(std::string_view section) {

@@ -53,6 +53,9 @@ class ConfigTree {
   /// @param origin  what errors call the source, if another option stands for the assignment.
   void Set(std::string_view assignment, std::string_view origin = "--set");
 
+  /// As Set, for a text that is not to be quoted.
+  void SetText(std::string_view key, const std::string& text, std::string_view origin);
+
   /// Fills `config` from table `section` (dotted; "" is the root) and marks what it read as known.
   /// @throws InputError for a wrong type or a value out of bounds.
   template <class Config>

@@ -43,7 +43,45 @@ int WriteAll(int fd, std::string_view bytes) {
   return 0;
 }
 
+// Where WriteFileAtomic writes before it renames.
+std::filesystem::path Beside(std::filesystem::path target) { return target += ".tmp"; }
+
+// A device or a pipe, which takes what is written to it and must not be replaced by a file.
+bool IsDevice(const std::filesystem::path& path) {
+  struct stat is {};
+  return ::stat(path.c_str(), &is) == 0 && !S_ISREG(is.st_mode) && !S_ISDIR(is.st_mode);
+}
+
+void WriteToDevice(const std::filesystem::path& path, std::string_view contents) {
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (file.get() < 0) throw InputError(Reason(path, "cannot write", errno));
+  if (const int error = WriteAll(file.get(), contents)) {
+    throw RunError(Reason(path, "cannot write", error));
+  }
+}
+
+// What a link, or a link to a link, points at, there or not: it is replaced, and the link stays.
+std::filesystem::path BehindLinks(std::filesystem::path path) {
+  std::error_code none;
+  for (int links = 0; std::filesystem::is_symlink(path, none); ++links) {
+    constexpr int kMostLinks = 40;  // as Linux follows, path_resolution(7)
+    if (links == kMostLinks) throw InputError(Reason(path, "cannot write", ELOOP));
+    path = path.parent_path() / std::filesystem::read_symlink(path, none);
+  }
+  return path;
+}
+
 }  // namespace
+
+bool Exists(const std::filesystem::path& path) {
+  std::error_code none;
+  return std::filesystem::exists(path, none);
+}
+
+bool IsFolder(const std::filesystem::path& path) {
+  std::error_code none;
+  return std::filesystem::is_directory(path, none);
+}
 
 std::string ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -63,8 +101,9 @@ std::string ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
 }
 
 void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents) {
-  std::filesystem::path beside = path;
-  beside += ".tmp";
+  if (IsDevice(path)) return WriteToDevice(path, contents);
+  const std::filesystem::path target = BehindLinks(path);
+  const std::filesystem::path beside = Beside(target);
   const auto give_up = [&](const char* what, int error) {
     ::unlink(beside.c_str());
     throw RunError(Reason(path, what, error));
@@ -74,24 +113,31 @@ void WriteFileAtomic(const std::filesystem::path& path, std::string_view content
     if (file.get() < 0) {
       const int error = errno;
       if (error == ENOSPC || error == EDQUOT) throw RunError(Reason(path, "cannot write", error));
-      throw InputError(Reason(path, "cannot write", error));
+      throw InputError(Reason(error == EISDIR ? beside : path, "cannot write", error));
     }
     if (const int error = WriteAll(file.get(), contents)) give_up("cannot write", error);
     if (::fsync(file.get()) != 0) give_up("cannot write", errno);
   }
-  if (::rename(beside.c_str(), path.c_str()) != 0) give_up("cannot replace", errno);
+  if (::rename(beside.c_str(), target.c_str()) != 0) give_up("cannot replace", errno);
 }
 
 void CheckWritable(const std::filesystem::path& path) {
-  const auto refuse = [&](int error) { throw InputError(Reason(path, "cannot write", error)); };
-  if (path.empty()) refuse(ENOENT);
-  std::filesystem::path folder = path.parent_path();
-  if (folder.empty()) folder = ".";
+  const auto refuse = [&](const std::filesystem::path& what, int error) {
+    throw InputError(Reason(what, "cannot write", error));
+  };
+  if (path.empty()) refuse(path, ENOENT);
+  if (IsFolder(path)) refuse(path, EISDIR);
+  const bool device = IsDevice(path);
+  const std::filesystem::path target = BehindLinks(path);
+  const std::filesystem::path tried = device ? path : Beside(target);
   struct stat is {};
-  if (::stat(path.c_str(), &is) == 0 && S_ISDIR(is.st_mode)) refuse(EISDIR);
-  if (::stat(folder.c_str(), &is) != 0) refuse(errno);
-  if (!S_ISDIR(is.st_mode)) refuse(ENOTDIR);
-  if (::access(folder.c_str(), W_OK) != 0) refuse(errno);
+  const bool there = ::lstat(tried.c_str(), &is) == 0;
+  const int how = O_WRONLY | O_CLOEXEC | O_NONBLOCK | (device ? 0 : O_CREAT);
+  const Descriptor file(::open(tried.c_str(), how, 0644));
+  if (file.get() < 0 && errno != ENXIO) {  // a pipe may get its reader later
+    refuse(there ? tried : path, errno);
+  }
+  if (!there) ::unlink(tried.c_str());
 }
 
 void MakeFolder(const std::filesystem::path& path) {

@@ -8,18 +8,26 @@
 
 namespace gusset {
 
+/// True if there is a file or folder of this name, behind links. What cannot be looked at (a name
+/// too long, links in a circle) is not there, as whoever opens it then says why.
+bool Exists(const std::filesystem::path& path);
+/// True if it is a folder; as Exists.
+bool IsFolder(const std::filesystem::path& path);
+
 /// Whole contents of a file. @throws InputError (`path: why`) if it cannot be read, is a folder or
 /// is larger than `max_bytes`.
 std::string ReadFile(const std::filesystem::path& path,
                      std::size_t max_bytes = std::size_t{1} << 30);
 
 /// Replaces a file so that a crash at any moment leaves the old contents or the new ones, never a
-/// part: written beside it, synced, renamed. (After a power cut it may be the old ones still.)
+/// part: written beside it, synced, renamed. (After a power cut it may be the old ones still.) A
+/// link stays one; what is written to a device or a pipe goes through it.
 /// @throws InputError if the place cannot be written at all, RunError if writing fails (disk full).
 void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents);
 
-/// For before long work whose result goes there. @throws InputError (`path: why`) if no file can be
-/// put at `path`: it is a folder, or what should hold it is none or may not be written to.
+/// For before long work whose result goes there with WriteFileAtomic, whose first step is tried.
+/// @throws InputError (`path: why`) if no file can be put at `path`: it is a folder, what should
+/// hold it is none or may not be written to, its name is too long.
 void CheckWritable(const std::filesystem::path& path);
 
 /// Makes a folder and its parents; one that exists is fine. @throws InputError.

@@ -86,7 +86,7 @@ Outcome JournalEnvironment::Act(int action) {
                 static_cast<unsigned long long>(
                     DeriveSeed(world_, "action", static_cast<std::uint64_t>(action))));
   const std::filesystem::path file = folder_ / name;
-  if (std::filesystem::exists(file)) {
+  if (Exists(file)) {
     try {
       return Read(file);
     } catch (const InputError& e) {

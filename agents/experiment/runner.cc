@@ -129,7 +129,7 @@ class Runner {
   void FindFinished() {
     for (Unit& unit : units_) {
       if (unit.cell == nullptr) {
-        if (!fs::exists(FolderOf(unit) / "policy.json")) continue;
+        if (!Exists(FolderOf(unit) / "policy.json")) continue;
         rig_.CheckTraining(*unit.training, unit.seed, FolderOf(unit));
         Keep(unit, ReadTrainingResult(FolderOf(unit)));
       } else if (units_[static_cast<std::size_t>(unit.after)].state == Unit::kFinished) {

@@ -110,11 +110,11 @@ void WriteTrial(const std::filesystem::path& file, const TrialPlan& plan,
   document["seconds_wall"] = record.wall_s;
   document["seconds_sim"] = record.sim_s;
   document["versions"] = record.versions;
-  WriteFileAtomic(file, document.dump(2) + "\n");
+  WriteFileAtomic(file, JsonText(document));
 }
 
 std::optional<TrialRecord> ReadTrial(const std::filesystem::path& file, const TrialPlan& plan) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
+  if (!Exists(file)) return std::nullopt;
   const nlohmann::json document = ReadJson(file);
   try {
     const nlohmann::ordered_json wanted = plan.Key();

@@ -8,6 +8,7 @@
 #include "agents/report/dumped_action.h"
 #include "agents/run_folder.h"
 #include "base/error.h"
+#include "base/files.h"
 
 namespace gusset {
 namespace {
@@ -35,7 +36,7 @@ std::string KindOfEpisode(bool success, const std::string& last_outcome, int las
 // Adds the look that files of `prefix` show, if they are there.
 void AddFrame(Film& film, const std::string& prefix, const std::string& caption) {
   const fs::path picture = prefix + "_overlay.png";
-  if (fs::exists(picture)) film.frames.push_back({picture, caption});
+  if (Exists(picture)) film.frames.push_back({picture, caption});
 }
 
 // An episode of `play`.
@@ -46,7 +47,7 @@ Film ReadPlay(const fs::path& folder) {
     Film film;
     film.source = folder;
     film.success = JsonField<bool>(json, "true_success");
-    if (fs::exists(folder / "episode.mp4")) film.video = folder / "episode.mp4";
+    if (Exists(folder / "episode.mp4")) film.video = folder / "episode.mp4";
     const auto steps = JsonField<nlohmann::json::array_t>(json, "steps");
     film.kind = KindOfEpisode(film.success, "no progress", 0);
     for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -96,8 +97,7 @@ std::vector<Film> ReadDump(const fs::path& folder) {
                                      (action.disagree ? ", seen wrongly" : "");
   }
   // What `play --run` filmed.
-  if (films.size() == 1 && fs::exists(folder / "action.mp4"))
-    films[0].video = folder / "action.mp4";
+  if (films.size() == 1 && Exists(folder / "action.mp4")) films[0].video = folder / "action.mp4";
   return films;
 }
 
@@ -116,7 +116,7 @@ std::vector<Film> OneOfEachKind(std::vector<Film> films) {
 std::vector<Film> FindFilms(const fs::path& folder) {
   std::vector<fs::path> folders = {folder};
   const auto add_inside = [&](const fs::path& parent, const std::string& ending) {
-    if (!fs::is_directory(parent)) return;
+    if (!IsFolder(parent)) return;
     std::vector<fs::path> inside;
     for (const auto& entry : fs::directory_iterator(parent)) {
       if (entry.is_directory() && entry.path().filename().string().ends_with(ending)) {
@@ -130,10 +130,9 @@ std::vector<Film> FindFilms(const fs::path& folder) {
   add_inside(folder / "frames", "");
   std::vector<Film> films;
   for (const fs::path& one : folders) {
-    if (fs::exists(one / "episode.json")) {
+    if (Exists(one / "episode.json")) {
       films.push_back(ReadPlay(one));
-    } else if (one.filename().string().ends_with("frames") ||
-               fs::exists(one / "contact_sheet.html")) {
+    } else if (one.filename().string().ends_with("frames") || Exists(one / "contact_sheet.html")) {
       for (Film& film : ReadDump(one)) films.push_back(std::move(film));
     }
   }

@@ -32,7 +32,7 @@ std::string DataText(const nlohmann::ordered_json& data) {
 }
 
 std::string ChartingLibrary() {
-  if (!std::filesystem::exists(kChartJs)) {
+  if (!Exists(kChartJs)) {
     throw InputError(std::string(kChartJs) +
                      ": is missing; install the Debian package libjs-chart.js (tools/setup does)");
   }
@@ -45,6 +45,9 @@ std::string FillPage(const std::string& name, const nlohmann::ordered_json& data
   const std::filesystem::path folder = AssetsFolder() / "report";
   const std::filesystem::path file = folder / (name + ".html");
   const std::string page = ReadFile(file);
+  if (page.find("{{data}}") == std::string::npos) {
+    throw InputError(file.string() + ": has no {{data}}");
+  }
   std::string filled;
   for (std::size_t at = 0;;) {
     const std::size_t open = page.find("{{", at);

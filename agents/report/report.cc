@@ -74,7 +74,7 @@ ordered_json MapsJson(const RunData& run) {
   ordered_json maps = ordered_json::array();
   for (int s = 0; s < kActingStates; ++s) {
     const fs::path file = run.folder / ("reward_map_s" + std::to_string(s) + ".png");
-    if (!fs::exists(file)) continue;
+    if (!Exists(file)) continue;
     maps.push_back(
         {{"seed", run.train.seed}, {"state", s}, {"src", PictureUri(file, kPicture_px)}});
   }
@@ -196,9 +196,9 @@ ordered_json CollectReport(const std::vector<fs::path>& folders, const Published
   std::vector<Film> films;
   ordered_json tables = ordered_json::array();
   for (const fs::path& folder : folders) {
-    if (!fs::is_directory(folder)) throw InputError(folder.string() + ": is not a folder");
+    if (!IsFolder(folder)) throw InputError(folder.string() + ": is not a folder");
     const std::size_t before = runs.size() + films.size() + tables.size();
-    const bool experiment = fs::exists(folder / "results.csv");
+    const bool experiment = Exists(folder / "results.csv");
     if (experiment) {
       for (ordered_json& table : TableJson(folder / "results.csv")) {
         tables.push_back(std::move(table));

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -71,6 +73,12 @@ void Add(const Line& line, ResultCell& cell) {
   const std::optional<Estimate> ours = line.Read("value", "low", "high");
   if (n && ours && (ours->value < 0 || ours->value > 1))
     line.Refuse("value", "is not within [0, 1]");
+  // The file has six digits of it.
+  if (n && *n > 0 && successes && ours &&
+      std::abs(ours->value - static_cast<double>(*successes) / *n) > 1e-5) {
+    line.Refuse("value",
+                "is not successes / n = " + line.Text("successes") + " / " + line.Text("n"));
+  }
   if (line.Text("seed") != "pooled") {
     cell.seed_texts.push_back("seed " + line.Text("seed") + ": " + line.Text("value") +
                               (n ? " of " + line.Text("n") : ""));
@@ -138,6 +146,7 @@ std::vector<ResultCell> ReadResults(const std::filesystem::path& file) {
     }
   }
   std::vector<ResultCell> cells;
+  std::map<std::tuple<std::string, std::string, std::string>, std::set<std::string>> seeds;
   for (std::size_t i = 1; i < records.size(); ++i) {
     const CsvRecord& record = records[i];
     if (record.fields.size() != records[0].fields.size()) {
@@ -150,6 +159,10 @@ std::vector<ResultCell> ReadResults(const std::filesystem::path& file) {
       return cell.table == line.Text("table") && cell.row == line.Text("row") &&
              cell.column == line.Text("column");
     });
+    const auto place = std::tuple(line.Text("table"), line.Text("row"), line.Text("column"));
+    if (!seeds[place].insert(line.Text("seed")).second) {
+      line.Refuse("seed", "stands in an earlier line of this table, row and column");
+    }
     if (same == cells.end()) {
       ResultCell& cell = cells.emplace_back();
       cell.table = line.Text("table");
@@ -159,6 +172,7 @@ std::vector<ResultCell> ReadResults(const std::filesystem::path& file) {
       cell.published = line.Read("published", "published_low", "published_high");
       Add(line, cell);
     } else {
+      if (line.Text("unit") != same->unit) line.Refuse("unit", "was " + same->unit + " before");
       Add(line, *same);
     }
   }

@@ -69,8 +69,7 @@ EvaluationData ReadEvaluation(const std::filesystem::path& file) {
 }  // namespace
 
 bool IsRunFolder(const std::filesystem::path& folder) {
-  return std::filesystem::exists(folder / "config.toml") &&
-         std::filesystem::exists(folder / "steps.jsonl");
+  return Exists(folder / "config.toml") && Exists(folder / "steps.jsonl");
 }
 
 RunData ReadRun(const std::filesystem::path& folder) {

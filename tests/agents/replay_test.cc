@@ -52,6 +52,18 @@ TEST_F(Replay, ADamagedLogIsRefusedWithItsLine) {
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), testing::HasSubstr("steps.jsonl:2: "));
   }
+  std::string line = log.substr(0, second);
+  const std::size_t seed = line.find("\"sensor_seed\"");
+  ASSERT_NE(seed, std::string::npos);
+  line.replace(seed, 13, "\"sensor_speed\"");
+  WriteFileAtomic(dir_ / "run" / "steps.jsonl", line);
+  try {
+    (void)ReadRunSteps(dir_ / "run");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("steps.jsonl:1: sensor_seed is missing"));
+  }
+  WriteFileAtomic(dir_ / "run" / "steps.jsonl", log.substr(0, second) + "{\"step\": 1, \"sta\n");
   EXPECT_THROW((void)ReadLoggedSteps(dir_ / "run" / "steps.jsonl"), InputError);
 }
 

@@ -176,6 +176,33 @@ TEST(Config, AValueThatDoesNotGoWithAnotherIsRefusedWithItsPlace) {
   EXPECT_EQ(refusal("cloth.friction", 0.4), "--set: cloth.friction = 0.4 is too much");
 }
 
+// toml++ recurses into each part of a key.
+TEST(Config, ALineOfAHundredThousandPartsIsRefusedAtItsPlace) {
+  std::string key = "a";
+  for (int i = 0; i < 100000; ++i) key += ".a";
+  ConfigTree tree;
+  try {
+    tree.Parse("b = 1\n" + key + " = 1\n", "deep.toml");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.what(), std::string("deep.toml:2: is longer than 10000 bytes"));
+  }
+  EXPECT_THROW(tree.Set(key + "=1"), InputError);
+}
+
+TEST(Config, ATextIsTakenAsItIs) {
+  ConfigTree tree;
+  struct {
+    std::string bag;
+    void Fields(ConfigVisitor& v) { v("bag", bag, {}); }
+  } train;
+  const std::string text = "my \"bag\" = [1]\n.toml";
+  tree.SetText("train.bag", text, "--bag");
+  tree.Read("train", train);
+  EXPECT_EQ(train.bag, text);
+  EXPECT_THROW(tree.SetText("train.bag", "\xff.toml", "--bag"), InputError) << "no UTF-8";
+}
+
 TEST(Config, AMalformedSetIsRefusedInOneLine) {
   for (const char* bad : {"", "=", "cloth.friction", "=3", ".a=3", "a..b=3", "a b=3",
                           "cloth.fabric=two words", "a=1\nb=2", "a=[1"}) {

@@ -78,6 +78,48 @@ TEST_F(Files, WhatCannotBeWrittenIsKnownBeforeItIs) {
   }
 }
 
+TEST_F(Files, ANameThatCannotTakeItsTemporaryFileIsRefusedBeforehand) {
+  const fs::path longest = dir_ / std::string(255, 'x');  // NAME_MAX; with .tmp it is too long
+  EXPECT_THROW(CheckWritable(longest), InputError);
+  MakeFolder(dir_ / "taken.tmp");
+  EXPECT_THROW(CheckWritable(dir_ / "taken"), InputError);
+  EXPECT_THROW(WriteFileAtomic(dir_ / "taken", "x"), InputError);
+}
+
+TEST_F(Files, ALinkStaysALinkAndADeviceADevice) {
+  WriteFileAtomic(dir_ / "target", "old");
+  fs::create_symlink("target", dir_ / "link");
+  fs::create_symlink("link", dir_ / "again");
+  CheckWritable(dir_ / "again");
+  WriteFileAtomic(dir_ / "again", "new");
+  EXPECT_TRUE(fs::is_symlink(dir_ / "again"));
+  EXPECT_TRUE(fs::is_symlink(dir_ / "link"));
+  EXPECT_EQ(ReadFile(dir_ / "target"), "new");
+  fs::create_symlink("later", dir_ / "dangling");
+  WriteFileAtomic(dir_ / "dangling", "made");
+  EXPECT_EQ(ReadFile(dir_ / "later"), "made");
+  fs::create_symlink("circle", dir_ / "circle");
+  EXPECT_THROW(CheckWritable(dir_ / "circle"), InputError);
+  EXPECT_THROW(WriteFileAtomic(dir_ / "circle", "x"), InputError);
+
+  const fs::path null = dir_ / "null";  // behind a link, so that a mistake costs no device
+  fs::create_symlink("/dev/null", null);
+  CheckWritable(null);
+  WriteFileAtomic(null, "x");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_THROW(WriteFileAtomic("/dev/full", "x"), RunError);
+}
+
+TEST_F(Files, WhatCannotBeLookedAtIsNotThere) {
+  EXPECT_TRUE(Exists(dir_));
+  EXPECT_TRUE(IsFolder(dir_));
+  const fs::path too_long = dir_ / std::string(5000, 'x');
+  EXPECT_FALSE(Exists(too_long));
+  EXPECT_FALSE(IsFolder(too_long));
+  fs::create_symlink("circle", dir_ / "circle");
+  EXPECT_FALSE(Exists(dir_ / "circle"));
+}
+
 TEST_F(Files, AFileTooLargeIsRefused) {
   WriteFileAtomic(dir_ / "a", "12345");
   EXPECT_EQ(ReadFile(dir_ / "a", 5), "12345");

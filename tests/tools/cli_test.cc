@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "base/files.h"
@@ -176,6 +178,32 @@ TEST_F(Cli, BrokenImagesAreRefusedByName) {
   ExpectRefused("classify a.png --px-per-m 0", "--px-per-m");
   ExpectRefused("classify a.png --camera " + Write("c.json", "{}").string(), "c.json");
   ExpectRefused("classify --calibrate a.png", "--bag");
+  ExpectRefused("classify --set perception.cube_min=3 a.png", "unknown key perception.cube_min");
+}
+
+// libjpeg and libpng would fill what is missing with grey.
+TEST_F(Cli, HalfAnImageIsRefused) {
+  cv::Mat noise(480, 640, CV_8UC3);
+  cv::randu(noise, 0, 255);
+  for (const char* name : {"a.jpg", "a.png"}) {
+    const fs::path file = dir_ / name;
+    cv::imwrite(file.string(), noise);
+    EXPECT_EQ(Gusset("classify " + file.string()).code, 0);
+    EXPECT_EQ(Gusset("classify " + file.string()).err, "");
+    fs::resize_file(file, fs::file_size(file) / 2);
+    ExpectRefused("classify " + file.string(), std::string(name) + ": is cut off");
+  }
+}
+
+TEST_F(Cli, WhatCannotBePrintedIsAFailure) {
+  const fs::path file = dir_ / "a.png";
+  cv::imwrite(file.string(), cv::Mat::zeros(480, 640, CV_8UC3));
+  for (const char* json : {"", "--json "}) {
+    const std::string command = std::string(GUSSET_BINARY) + " classify " + json + file.string() +
+                                " >/dev/full 2>" + (dir_ / "err").string();
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+    EXPECT_EQ(Slurp(dir_ / "err"), "gusset: cannot write to standard output\n");
+  }
 }
 
 TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
@@ -197,6 +225,19 @@ TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
   ExpectRefused(corpus, "a.png: is not an image");
   Write("camera.json", "{\"width\": 640, \"height\": 480, \"K\": [[1, 2, 3]]}");
   ExpectRefused(corpus, "camera.json: K must have 3 rows");
+  const auto camera = [&](const std::string& k, const std::string& last) {
+    Write("camera.json", "{\"width\": 640, \"height\": 480, \"K\": [" + k +
+                             "], \"X_WC\": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1], " + last +
+                             "]}");
+  };
+  camera("[615, 1, 320], [0, 615, 240], [0, 0, 1]", "[0, 0, 0, 1]");
+  ExpectRefused(corpus, "camera.json: K[0][1] must be 0");
+  camera("[615, 0, 320], [0, 615, 240], [0, 0, 2]", "[0, 0, 0, 1]");
+  ExpectRefused(corpus, "camera.json: K[2] must be [0, 0, 1]");
+  camera("[-615, 0, 320], [0, 615, 240], [0, 0, 1]", "[0, 0, 0, 1]");
+  ExpectRefused(corpus, "camera.json: K[0][0] and K[1][1] must be above 0");
+  camera("[615, 0, 320], [0, 615, 240], [0, 0, 1]", "[0, 0, 1, 1]");
+  ExpectRefused(corpus, "camera.json: X_WC[3] must be [0, 0, 0, 1]");
   Write("camera.json", "{\"width\": 0}");
   ExpectRefused(corpus, "camera.json: width = 0 is not within [1");
 }
@@ -218,6 +259,9 @@ TEST_F(Cli, CalibratingWritesTheBagsFileAndNothingElseOfIt) {
   EXPECT_NEAR(found.at("A_bmax").get<double>(), 34000, 0.03 * 34000);
   EXPECT_NEAR(found.at("A_omax").get<double>(), 3900, 0.03 * 3900);
   EXPECT_NEAR(found.at("A_flat").get<double>(), 34950, 0.03 * 34950);
+  std::string copies;
+  for (int i = 0; i < 3; ++i) copies += " " + (fs::path(flat) / "s1_00000.png").string();
+  ExpectRefused("classify --calibrate --bag " + bag.string() + copies, "at least 3 must");
   const std::string text = Slurp(bag);
   EXPECT_THAT(text, HasSubstr("# Bag 1: cotton tote."));
   EXPECT_THAT(text, HasSubstr("[thresholds_published]\nA_th = 25000\n"));

@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "agents/json_fields.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "tools/gusset/command.h"
@@ -58,7 +59,7 @@ class BenchCommand final : public Command {
     WatchForStop();
     const nlohmann::ordered_json document =
         RunMeasurements({settings, SettingsArguments(), quick_}, only_);
-    if (!out_.empty()) WriteFileAtomic(out_, document.dump(2) + "\n");
+    if (!out_.empty()) WriteFileAtomic(out_, JsonText(document));
     json_ ? PrintJson(document) : PrintTable(document);
   }
 #else

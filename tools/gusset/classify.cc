@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <set>
 
 #include "agents/image_file.h"
+#include "agents/json_fields.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "perception/calibrate.h"
@@ -89,12 +91,13 @@ class ClassifyCommand final : public Command {
 
  private:
   // Photographs need no world, so the bag's file is read for its thresholds alone; the other
-  // sections are read to find mistakes.
+  // sections are read to find mistakes. (A corpus's own config may be an older version's.)
   BaggingConfig LoadPerception() const {
     ConfigTree tree;
     tree.Load(BagFile(bag_.value_or("bag1")));
     for (const std::string& file : common_.config_files) tree.Load(file);
     for (const std::string& assignment : common_.assignments) tree.Set(assignment);
+    RefuseUnknownKeys(tree);
     BaggingConfig config;
     config.Read(tree);
     return config;
@@ -105,7 +108,7 @@ class ClassifyCommand final : public Command {
   BaggingConfig LoadFor(const std::filesystem::path& corpus) const {
     BaggingConfig config = LoadPerception();
     const std::filesystem::path file = corpus / "config.toml";
-    if (bag_ || !std::filesystem::exists(file)) return config;
+    if (bag_ || !Exists(file)) return config;
     ConfigTree tree;
     tree.Load(file);
     for (const std::string& other : common_.config_files) tree.Load(other);
@@ -184,10 +187,16 @@ class ClassifyCommand final : public Command {
     Print(list);
   }
 
+  static std::size_t HashOfFile(const std::filesystem::path& file) {
+    return std::hash<std::string>()(ReadFile(file));
+  }
+
   void Calibrate() const {
     const BaggingConfig config = LoadPerception();
     std::vector<Observation> looks;
+    std::set<std::size_t> pictures;  // a copy of one says nothing new
     for (const std::string& image : images_) {
+      if (!pictures.insert(HashOfFile(image)).second) continue;
       const Photograph photograph = Prepare(image, config);
       looks.push_back(Look(photograph.frame, image, photograph.camera, config));
     }
@@ -195,6 +204,7 @@ class ClassifyCommand final : public Command {
       const std::filesystem::path folder = corpus;
       const CameraModel camera = CameraOf(folder);
       for (const LabelledFrame& frame : ReadLabels(folder)) {
+        if (!pictures.insert(HashOfFile(frame.color)).second) continue;
         looks.push_back(Look(ReadFrame(frame.color, frame.depth), frame.color, camera, config));
       }
     }
@@ -238,7 +248,7 @@ class ClassifyCommand final : public Command {
 
   static CameraModel CameraOf(const std::filesystem::path& corpus) {
     const std::filesystem::path file = corpus / "camera.json";
-    return std::filesystem::exists(file) ? ReadCamera(file) : OverheadCamera({}, kCameraHeight_m);
+    return Exists(file) ? ReadCamera(file) : OverheadCamera({}, kCameraHeight_m);
   }
 
   void ClassifyCorpora() const {
@@ -268,7 +278,7 @@ class ClassifyCommand final : public Command {
         list.push_back(std::move(entry));
       }
     }
-    if (!out_.empty()) WriteFileAtomic(out / "report.json", score.Report().dump(2) + "\n");
+    if (!out_.empty()) WriteFileAtomic(out / "report.json", JsonText(score.Report()));
     if (json_) {
       PrintJson(list);
       return;

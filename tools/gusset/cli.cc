@@ -1,5 +1,7 @@
 #include "tools/gusset/cli.h"
 
+#include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -48,11 +50,16 @@ int RunCommandLine(int argc, char** argv) {
     for (const auto& command : commands) {
       if (app.got_subcommand(command->name())) command->Run();
     }
+    // What a command prints is its result: lost, it has failed.
+    const bool printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+    if (!std::cout.flush() || !printed) throw RunError("cannot write to standard output");
     return 0;
   } catch (const InputError& e) {
     return Complain(e.what(), 2);
   } catch (const RunError& e) {
     return Complain(e.what(), 1);
+  } catch (const std::filesystem::filesystem_error& e) {
+    return Complain(e.path1().string() + ": " + e.code().message(), 2);
   } catch (const std::exception& e) {
     return Complain(std::string("internal error: ") + e.what(), 1);
   }

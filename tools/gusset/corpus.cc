@@ -108,12 +108,26 @@ CameraModel ReadCamera(const std::filesystem::path& file) {
       }
       return m;
     };
+    const auto same = [](const Eigen::MatrixXd& row, const Eigen::MatrixXd& wanted,
+                         const std::string& name) {
+      if (row == wanted) return;
+      std::ostringstream text;
+      text << wanted.format(
+          Eigen::IOFormat(Eigen::StreamPrecision, 0, ", ", "; ", "", "", "[", "]"));
+      throw InputError(name + " must be " + text.str());
+    };
     const Eigen::MatrixXd k = matrix("K", 3, 3, 1e6);
+    if (k(0, 1) != 0) throw InputError("K[0][1] must be 0: pixels with skew are not modelled");
+    same(k.row(1).head(1), Eigen::RowVectorXd::Zero(1), "K[1][0]");
+    same(k.row(2), Eigen::RowVector3d(0, 0, 1), "K[2]");
+    if (!(k(0, 0) > 0 && k(1, 1) > 0)) throw InputError("K[0][0] and K[1][1] must be above 0");
     camera.pinhole.fx = k(0, 0);
     camera.pinhole.fy = k(1, 1);
     camera.pinhole.cx = k(0, 2);
     camera.pinhole.cy = k(1, 2);
-    camera.X_WC.matrix() = matrix("X_WC", 4, 4, 1e3);
+    const Eigen::MatrixXd pose = matrix("X_WC", 4, 4, 1e3);
+    same(pose.row(3), Eigen::RowVector4d(0, 0, 0, 1), "X_WC[3]");
+    camera.X_WC.matrix() = pose;
     // A rotation without shear or reflection, to what printing leaves of it.
     const Eigen::Matrix3d R = camera.X_WC.linear();
     if (!(R * R.transpose()).isIdentity(1e-6) || R.determinant() < 0) {

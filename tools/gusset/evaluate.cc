@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "agents/evaluator.h"
+#include "agents/json_fields.h"
 #include "agents/report/contact_sheet.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -68,7 +69,7 @@ class EvaluateCommand final : public Command {
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
 
     const nlohmann::ordered_json document = Document(settings, result, wall.count());
-    if (!out_.empty()) WriteFileAtomic(out_, document.dump(2) + "\n");
+    if (!out_.empty()) WriteFileAtomic(out_, JsonText(document));
     json_ ? PrintJson(document) : PrintTable(result);
   }
 

@@ -5,6 +5,7 @@
 #include "agents/experiment/runner.h"
 #include "base/config.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/experiment_progress.h"
 #include "tools/gusset/experiment_rig.h"
@@ -106,7 +107,7 @@ class ExperimentCommand final : public Command {
   }
 
   void CheckFolder() const {
-    const bool there = std::filesystem::exists(std::filesystem::path(out_) / "results.csv");
+    const bool there = Exists(std::filesystem::path(out_) / "results.csv");
     if (there && !resume_) {
       throw InputError(out_ +
                        ": holds an experiment already; continue it with --resume or choose "

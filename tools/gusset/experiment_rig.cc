@@ -46,7 +46,7 @@ void SimExperimentRig::CheckSettings(const ExperimentPlan& plan) const {
 void SimExperimentRig::Train(const TrainingPlan& plan, int seed,
                              const std::filesystem::path& folder, std::atomic<int>& count,
                              const Stop& stop) {
-  const bool begun = std::filesystem::exists(folder / "config.toml");
+  const bool begun = Exists(folder / "config.toml");
   TrainInFolder(folder, SettingsOf(plan, seed), begun, 1, stop,
                 [&](std::unique_ptr<Environment> environment) {
                   return std::make_unique<CountingEnvironment>(std::move(environment), count);

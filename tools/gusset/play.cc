@@ -115,7 +115,7 @@ class PlayCommand final : public Command {
                                              {"true_success", episode.true_success},
                                              {"perceived_success", episode.perceived_success},
                                              {"steps", steps}};
-    WriteFileAtomic(std::filesystem::path(out_) / "episode.json", document.dump(2) + "\n");
+    WriteFileAtomic(std::filesystem::path(out_) / "episode.json", JsonText(document));
   }
 
   void RepeatStep(const Settings& settings, TestbedEnv& environment) const {

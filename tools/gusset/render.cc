@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "agents/image_file.h"
+#include "agents/json_fields.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "perception/overlay.h"
@@ -86,13 +87,13 @@ class RenderCommand final : public Command {
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
     const std::filesystem::path out = out_;
     for (const char* name : {"config.toml", "labels.jsonl"}) {
-      if (!std::filesystem::exists(out / name)) continue;
+      if (!Exists(out / name)) continue;
       throw InputError(out_ + ": has a " + name + " already; choose another --out");
     }
     MakeFolder(out);
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
     WriteFileAtomic(out / "camera.json",
-                    CameraJson(environment.testbed().camera().model()).dump(2) + "\n");
+                    JsonText(CameraJson(environment.testbed().camera().model())));
     WriteFileAtomic(out / "config.toml", settings.resolved);
     LineLog labels(out / "labels.jsonl");
     for (int s = 0; s < kStates; ++s) {

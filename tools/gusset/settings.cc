@@ -9,10 +9,12 @@
 #include <opencv2/core/version.hpp>
 
 #include "agents/affordances.h"
+#include "agents/json_fields.h"
 #include "agents/random_agent.h"
 #include "agents/thompson_sampling.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "sim/sim_scene.h"
 #include "tools/gusset/deep_agents.h"
 #include "tools/gusset/testbed_env.h"
 
@@ -96,7 +98,7 @@ std::filesystem::path BagFile(const std::string& bag) {
   if (bag.ends_with(".toml")) return bag;
   const std::filesystem::path folder = AssetsFolder() / "bags";
   std::filesystem::path file = folder / (bag + ".toml");
-  if (std::filesystem::exists(file)) return file;
+  if (Exists(file)) return file;
   std::vector<std::string> names;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
@@ -108,10 +110,17 @@ std::filesystem::path BagFile(const std::string& bag) {
 }
 
 std::filesystem::path ConfigBeside(const std::filesystem::path& policy) {
-  const std::filesystem::path folder =
-      std::filesystem::is_directory(policy) ? policy : policy.parent_path();
+  const std::filesystem::path folder = IsFolder(policy) ? policy : policy.parent_path();
   const std::filesystem::path file = folder / "config.toml";
-  return std::filesystem::exists(file) ? file : std::filesystem::path();
+  return Exists(file) ? file : std::filesystem::path();
+}
+
+void RefuseUnknownKeys(ConfigTree& tree) {
+  Settings settings;
+  settings.tree = tree;
+  ReadSections(settings);
+  SimConfig().Read(settings.tree);
+  settings.tree.RefuseUnknown();
 }
 
 Settings LoadSettings(const CommonOptions& common, const SettingsSource& source) {
@@ -132,7 +141,7 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   if (bag) settings.tree.Load(BagFile(*bag));
   for (const std::string& file : common.config_files) settings.tree.Load(file);
   for (const std::string& assignment : common.assignments) settings.tree.Set(assignment);
-  if (bag) settings.tree.Set("train.bag=" + nlohmann::json(*bag).dump(), "--bag");
+  if (bag) settings.tree.SetText("train.bag", *bag, "--bag");
   for (const Assignment& a : source.assignments) {
     if (a.value) settings.tree.Set(a.key + "=" + *a.value, a.option);
   }
@@ -191,8 +200,7 @@ nlohmann::ordered_json Versions(const Settings& settings) {
 }
 
 void PrintJson(const nlohmann::ordered_json& document) {
-  std::cout << document.dump(2) << std::endl;
-  if (!std::cout) throw RunError("cannot write to standard output");
+  std::cout << JsonText(document) << std::flush;
 }
 
 void WatchForStop() {

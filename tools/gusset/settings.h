@@ -63,6 +63,10 @@ struct SettingsSource {
 /// @throws InputError naming file, line, key, value and bound.
 Settings LoadSettings(const CommonOptions& common, const SettingsSource& source);
 
+/// Reads every section that any command knows, for a command that needs but some of them.
+/// @throws InputError as LoadSettings, for keys that nothing knows too.
+void RefuseUnknownKeys(ConfigTree& tree);
+
 /// The file of a bag by name ("bag1") or path. @throws InputError listing the names there are.
 std::filesystem::path BagFile(const std::string& bag);
 

@@ -52,18 +52,20 @@ TEST_F(HtmlPage, DataCannotLeaveItsElement) {
 
 TEST_F(HtmlPage, FilesAreInlinedAndMissingOnesNamed) {
   WriteFileAtomic(dir_ / "report" / "a.css", "b { }");
-  Template("<style>{{file a.css}}</style>.");
-  EXPECT_EQ(FillPage("p", {}), "<style>b { }</style>.");
-  Template("{{file none.css}}");
+  Template("<style>{{file a.css}}</style>{{data}}.");
+  EXPECT_EQ(FillPage("p", {}), "<style>b { }</style>null.");
+  Template("");
+  EXPECT_THROW((void)FillPage("p", {}), InputError);
+  Template("{{file none.css}}{{data}}");
   try {
     (void)FillPage("p", {});
     FAIL();
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("none.css: cannot be read"));
   }
-  Template("{{nonsense}}");
+  Template("{{nonsense}}{{data}}");
   EXPECT_THROW((void)FillPage("p", {}), InputError);
-  Template("{{data");
+  Template("{{data}}{{data");
   EXPECT_THROW((void)FillPage("p", {}), InputError);
 }
 

@@ -73,6 +73,13 @@ TEST_F(ResultsCsv, WhatIsBrokenIsNamedWithLineAndColumn) {
   EXPECT_THAT(line("5.6,pi,c,1,,,nan,,,,,,reward,1,2,c,v"), HasSubstr("value = nan must be"));
   EXPECT_THAT(line("5.6,pi,c,1,,,1x,,,,,,reward,1,2,c,v"), HasSubstr("value = 1x must be"));
   EXPECT_THAT(line("5.6,pi,c,1,,,1,2,1,,,,reward,1,2,c,v"), HasSubstr("low = 2 is above high = 1"));
+  EXPECT_THAT(line("5.6,pi,c,1,20,2,0.5,,,,,,rate,1,2,c,v"),
+              HasSubstr(":2: value = 0.5 is not successes / n = 2 / 20"));
+  const std::string first = "5.6,pi,c,1,20,2,0.1,,,,,,rate,1,2,c,v\n";
+  EXPECT_THAT(line(first + "5.6,pi,c,1,20,3,0.15,,,,,,rate,1,2,c,v"),
+              HasSubstr(":3: seed = 1 stands in an earlier line"));
+  EXPECT_THAT(line(first + "5.6,pi,c,2,,,3,,,,,,reward,1,2,c,v"),
+              HasSubstr(":3: unit = reward was rate before"));
 }
 
 }  // namespace
