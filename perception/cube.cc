@@ -18,6 +18,20 @@ constexpr double kTopBand_mm = 5;
 constexpr int kRing_px = 6;
 constexpr double kMaxElongation = 2.5;
 constexpr double kMinFilled = 0.6;
+/// Less of a cube than this share of its top is covered, if cloth is beside it.
+constexpr double kMostCovered = 0.75;
+/// A cube stands beside cloth if that is this share of the ring: the side of a square that lies
+/// along cloth has a quarter of it, a corner stuck out of it more.
+constexpr double kBesideCloth = 0.15;
+/// Longest that a covered cube may show, in widths: its diagonal.
+constexpr double kLongestCovered = std::numbers::sqrt2;
+/// Squares that hold so few pixels less are as good.
+constexpr float kAsGood_px2 = 3;
+
+double Length(const std::vector<cv::Point>& contour) {
+  const cv::Size2f size = cv::minAreaRect(contour).size;
+  return std::max(size.width, size.height) + 1;
+}
 
 bool IsCompact(const std::vector<cv::Point>& contour, double area_px2) {
   const cv::Size2f size = cv::minAreaRect(contour).size;
@@ -27,7 +41,9 @@ bool IsCompact(const std::vector<cv::Point>& contour, double area_px2) {
   return longer <= kMaxElongation * shorter && area_px2 >= kMinFilled * longer * shorter;
 }
 
-bool IsAmidCloth(const std::vector<cv::Point>& contour, const ColorMasks& masks, const View& view) {
+/// How much of a ring round the cube is cloth or label, 0 to 1.
+double ClothAround(const std::vector<cv::Point>& contour, const ColorMasks& masks,
+                   const View& view) {
   cv::Rect box = cv::boundingRect(contour);
   box -= cv::Point(kRing_px, kRing_px);
   box += cv::Size(2 * kRing_px, 2 * kRing_px);
@@ -37,10 +53,70 @@ bool IsAmidCloth(const std::vector<cv::Point>& contour, const ColorMasks& masks,
              cv::getStructuringElement(cv::MORPH_RECT, {2 * kRing_px + 1, 2 * kRing_px + 1}));
   ring &= ~inner;
   const cv::Rect seen = box & view.roi;
-  if (seen.empty()) return false;
+  if (seen.empty()) return 0;
   const cv::Rect in_roi = seen - view.roi.tl();
   const cv::Mat cloth = (masks.cloth(in_roi) | masks.label(in_roi)) & ring(seen - box.tl());
-  return 2 * cv::countNonZero(cloth) > cv::countNonZero(ring);
+  return static_cast<double>(cv::countNonZero(cloth)) / cv::countNonZero(ring);
+}
+
+/// A square about the middle of an image just large enough for it; 1 inside, 0 outside.
+cv::Mat Square(double width_px, double yaw_deg) {
+  const int reach = static_cast<int>(std::ceil(width_px / std::numbers::sqrt2));
+  cv::Mat square = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
+  const auto middle = static_cast<float>(reach);
+  const auto width = static_cast<float>(width_px);
+  const cv::RotatedRect rect({middle, middle}, {width, width}, static_cast<float>(yaw_deg));
+  std::vector<cv::Point2f> corners(4);
+  rect.points(corners.data());
+  const std::vector<cv::Point> rounded(corners.begin(), corners.end());
+  cv::fillConvexPoly(square, rounded, 1);
+  return square;
+}
+
+/// Centre of a cube that cloth leaves only a part of; see LocateCube.
+cv::Point2d CentreOfCovered(const CubeBlob& blob, const ColorMasks& masks, const View& view,
+                            double width_px) {
+  const int margin = static_cast<int>(std::ceil(width_px * 1.5));
+  cv::Rect box = cv::boundingRect(blob.contour);
+  box -= cv::Point(margin, margin);
+  box += cv::Size(2 * margin, 2 * margin);
+  const cv::Mat cube = FilledContour(blob.contour, box);
+  cv::Mat hides = cv::Mat::zeros(box.size(), CV_8UC1);
+  if (const cv::Rect seen = box & view.roi; !seen.empty()) {
+    const cv::Rect in_roi = seen - view.roi.tl();
+    cv::Mat(masks.cloth(in_roi) | masks.label(in_roi)).copyTo(hides(seen - box.tl()));
+  }
+  // Where cube and cloth meet, a soft edge has the colour of neither.
+  cv::Mat either;
+  cv::dilate(hides | cube, either, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
+  cv::Mat gain(box.size(), CV_32F, cv::Scalar(-1));
+  gain.setTo(0, either);
+  gain.setTo(1, cube);
+
+  constexpr double kYawStep_deg = 10;
+  std::vector<std::pair<float, cv::Point2d>> placements;
+  float best = 0;
+  for (double yaw_deg = 0; yaw_deg < 90; yaw_deg += kYawStep_deg) {
+    const cv::Mat square = Square(width_px, yaw_deg);
+    cv::Mat score;
+    cv::matchTemplate(gain, square, score, cv::TM_CCORR);
+    for (int y = 0; y < score.rows; ++y) {
+      for (int x = 0; x < score.cols; ++x) {
+        const float at = score.at<float>(y, x);
+        best = std::max(best, at);
+        if (at > best - kAsGood_px2) placements.emplace_back(at, cv::Point2d(x, y));
+      }
+    }
+  }
+  const int reach = static_cast<int>(std::ceil(width_px / std::numbers::sqrt2));
+  cv::Point2d sum(0, 0);
+  int count = 0;
+  for (const auto& [at, corner] : placements) {
+    if (at <= best - kAsGood_px2) continue;
+    sum += corner;
+    ++count;
+  }
+  return cv::Point2d(box.tl()) + cv::Point2d(reach, reach) + sum / count;
 }
 
 /// Angle in [-pi/4, pi/4) that differs from the given one by quarter turns.
@@ -60,6 +136,11 @@ double YawOf(const std::vector<cv::Point>& face, const View& view, double height
 
 }  // namespace
 
+double CubeWidth(const View& view, const PerceptionConfig& config) {
+  const double distance_m = std::abs(view.camera.X_WC.translation().z() - config.table_height_m);
+  return view.camera.pinhole.fx * config.cube_side_m / std::max(distance_m, config.depth_min_m);
+}
+
 std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
                                  const PerceptionConfig& config) {
   cv::Rect around = cv::boundingRect(masks.cube);
@@ -74,6 +155,7 @@ std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
   cv::morphologyEx(masks.cube(around), red, cv::MORPH_CLOSE, kFold);
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(red, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE, around.tl());
+  const double width_px = CubeWidth(view, config);
   std::optional<CubeBlob> largest;
   for (std::vector<cv::Point>& contour : contours) {
     const cv::Rect box = cv::boundingRect(contour);
@@ -81,14 +163,18 @@ std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
     const double area = cv::countNonZero(FilledContour(contour, box));
     if (area < config.cube_min_px2 || area > config.cube_max_px2) continue;
     if (largest && area <= largest->area_px2) continue;
-    if (!IsCompact(contour, area)) continue;
-    largest = CubeBlob{std::move(contour), area, false};
+    const double cloth = ClothAround(contour, masks, view);
+    const bool covered = cloth > kBesideCloth && area < kMostCovered * width_px * width_px;
+    if (!IsCompact(contour, area) && !(covered && Length(contour) < kLongestCovered * width_px)) {
+      continue;
+    }
+    largest = CubeBlob{std::move(contour), area, cloth > 0.5, covered};
   }
-  if (largest) largest->amid_cloth = IsAmidCloth(largest->contour, masks, view);
   return largest;
 }
 
-CubeSeen LocateCube(const CubeBlob& blob, const View& view, const PerceptionConfig& config) {
+CubeSeen LocateCube(const CubeBlob& blob, const ColorMasks& masks, const View& view,
+                    const PerceptionConfig& config) {
   const cv::Rect box = cv::boundingRect(blob.contour);
   cv::Mat face = FilledContour(blob.contour, box);
   double top_m = config.table_height_m + config.cube_side_m;
@@ -115,7 +201,6 @@ CubeSeen LocateCube(const CubeBlob& blob, const View& view, const PerceptionConf
   const cv::Moments moments = cv::moments(face, /*binaryImage=*/true);
   cube.px =
       cv::Point2d(box.tl()) + cv::Point2d(moments.m10 / moments.m00, moments.m01 / moments.m00);
-  cube.in_roi = view.roi.contains(cv::Point(cvRound(cube.px.x), cvRound(cube.px.y)));
   cube.from_depth = top_depth_mm.has_value();
   if (top_depth_mm) {
     const Eigen::Vector3d top_W = view.camera.Deproject(cube.px, *top_depth_mm / 1000);
@@ -124,6 +209,12 @@ CubeSeen LocateCube(const CubeBlob& blob, const View& view, const PerceptionConf
   } else {
     cube.p_W = OntoLevel(view, cube.px, centre_m);
   }
+  if (blob.covered) {
+    const cv::Point2d centre = CentreOfCovered(blob, masks, view, CubeWidth(view, config));
+    cube.p_W = OntoLevel(view, centre, top_m - config.cube_side_m / 2);
+  }
+  cube.centre_px = view.camera.Project(cube.p_W);
+  cube.in_roi = view.roi.contains(cv::Point(cvRound(cube.centre_px.x), cvRound(cube.centre_px.y)));
   std::vector<cv::Point> face_pixels;
   cv::findNonZero(face, face_pixels);
   for (cv::Point& pixel : face_pixels) pixel += box.tl();

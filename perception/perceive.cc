@@ -42,12 +42,6 @@ cv::Mat ClothWithCube(const ColorMasks& masks, const std::optional<CubeBlob>& cu
   return cloth;
 }
 
-/// Width of the cube's top face in pixels.
-double CubeWidth(const View& view, const PerceptionConfig& config) {
-  const double distance_m = std::abs(view.camera.X_WC.translation().z() - config.table_height_m);
-  return view.camera.pinhole.fx * config.cube_side_m / std::max(distance_m, config.depth_min_m);
-}
-
 std::vector<cv::Point2f> Hull(const std::vector<cv::Point2d>& points) {
   const std::vector<cv::Point2f> floats(points.begin(), points.end());
   std::vector<cv::Point2f> hull;
@@ -79,14 +73,14 @@ std::vector<cv::Point2d> FindMouth(const View& view, const ColorMasks& masks, co
 
 bool IsInMouth(const CubeSeen& cube, const std::vector<cv::Point2d>& labels, double cube_width) {
   if (static_cast<int>(labels.size()) < kLabelsOfMouth) return false;
-  return cv::pointPolygonTest(Hull(labels), cv::Point2f(cube.px), /*measureDist=*/true) >=
+  return cv::pointPolygonTest(Hull(labels), cv::Point2f(cube.centre_px), /*measureDist=*/true) >=
          -cube_width;
 }
 
 bool IsOnBag(const CubeSeen& cube, const std::optional<BagBody>& bag, const View& view) {
   if (!bag || !cube.in_roi) return false;
-  return bag->mask.at<uchar>(cv::Point(cvRound(cube.px.x), cvRound(cube.px.y)) - view.roi.tl()) !=
-         0;
+  const cv::Point centre(cvRound(cube.centre_px.x), cvRound(cube.centre_px.y));
+  return bag->mask.at<uchar>(centre - view.roi.tl()) != 0;
 }
 
 Eigen::Vector3d Level(const View& view, cv::Point2d from, cv::Point2d to,
@@ -242,7 +236,7 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
   Observation observation;
   observation.roi = view.roi;
   observation.has_surroundings = view.has_surroundings;
-  if (blob) observation.cube = LocateCube(*blob, view, config);
+  if (blob) observation.cube = LocateCube(*blob, masks, view, config);
   observation.piece = observation.cube && observation.cube->in_roi;
   if (bag) {
     observation.bag_seen = true;

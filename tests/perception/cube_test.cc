@@ -18,7 +18,8 @@ std::optional<CubeBlob> Find(const RgbdFrame& frame) {
 
 CubeSeen Locate(const RgbdFrame& frame) {
   const View view = MakeView(frame, synthetic::Camera(), kConfig);
-  return LocateCube(FindCube(ThresholdColors(view, kConfig), view, kConfig).value(), view, kConfig);
+  return LocateCube(FindCube(ThresholdColors(view, kConfig), view, kConfig).value(),
+                    ThresholdColors(view, kConfig), view, kConfig);
 }
 
 TEST(Cube, NoRedNoCube) { EXPECT_FALSE(Find(synthetic::EmptyTable())); }
@@ -90,6 +91,39 @@ TEST(Cube, KnowsWhetherClothSurroundsIt) {
   synthetic::DrawFlatBag(beside);
   synthetic::DrawCube(beside, {320 + synthetic::kHalfWidth + 11, 240});
   EXPECT_FALSE(Find(beside)->amid_cloth);
+}
+
+// A third of it sticks out from under a bag: what shows is a strip of 7 x 21 px beside the bag, its
+// centre 7 px from the strip's. Turned, a corner of it shows. Four millimetres are 2.4 px.
+TEST(Cube, UnderAnEdgeOfClothItsCentreIsWhereItsHiddenPartIs) {
+  const double edge = 320 + synthetic::kHalfWidth;
+  for (const double yaw_deg : {0., 25., 45.}) {
+    const double yaw = yaw_deg * std::numbers::pi / 180;
+    const cv::Point2d centre(edge - 3.5, 250);
+    RgbdFrame frame = synthetic::EmptyTable();
+    synthetic::DrawCube(frame, centre, yaw);
+    synthetic::DrawFlatBag(frame);
+    const View view = MakeView(frame, synthetic::Camera(), kConfig);
+    const ColorMasks masks = ThresholdColors(view, kConfig);
+    const std::optional<CubeBlob> blob = FindCube(masks, view, kConfig);
+    ASSERT_TRUE(blob) << yaw_deg;
+    EXPECT_TRUE(blob->covered);
+    const CubeSeen cube = LocateCube(*blob, masks, view, kConfig);
+    EXPECT_GT(cube.px.x, edge) << "the visible part's";
+    EXPECT_NEAR(cube.centre_px.x, centre.x, 2.4) << yaw_deg;
+    EXPECT_NEAR(cube.centre_px.y, centre.y, 2.4) << yaw_deg;
+  }
+}
+
+// A whole cube that only touches the bag is measured as one that stands alone.
+TEST(Cube, BesideABagItIsNotCovered) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::DrawFlatBag(frame);
+  synthetic::DrawCube(frame, {320 + synthetic::kHalfWidth + 11, 240});
+  EXPECT_FALSE(Find(frame)->covered);
+  // The centre is 17.5 mm below the top, so it is seen nearer to the picture's middle.
+  const CubeSeen cube = Locate(frame);
+  EXPECT_NEAR(cube.centre_px.x - 320, (cube.px.x - 320) * 1.031 / (1.031 + 0.0175), 0.1);
 }
 
 }  // namespace
