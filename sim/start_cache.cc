@@ -27,6 +27,8 @@ std::string Hex(std::uint64_t value) {
 }
 
 std::optional<std::string> ReadAll(const std::filesystem::path& file) {
+  std::error_code none;  // a pipe would have us wait
+  if (!std::filesystem::is_regular_file(file, none)) return std::nullopt;
   try {
     return ReadFile(file);
   } catch (const InputError&) {  // as if it were not there: the start is made
