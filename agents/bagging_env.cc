@@ -7,6 +7,7 @@
 #include "agents/rewards.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "perception/view.h"
 
 namespace gusset {
 namespace {
@@ -96,6 +97,31 @@ void CheckOrder(const ConfigTree& tree, const std::string& section, const std::s
   RefuseBeside(tree, section + "." + most, most_value, "below " + least, least_value);
 }
 
+// Hues end at 179 and may wrap; a saturation or brightness that does finds nothing.
+void CheckColours(const ConfigTree& tree, const std::string& what, const std::vector<double>& min,
+                  const std::vector<double>& max) {
+  const std::string key = "perception." + what + "_hsv_";
+  for (const auto& [end, hsv] : {std::pair("min", &min), std::pair("max", &max)}) {
+    if (hsv->at(0) > 179) tree.Refuse(key + end, hsv->at(0), "is no hue within [0, 179]");
+  }
+  for (std::size_t k = 1; k < 3; ++k) {
+    if (min[k] <= max[k]) continue;
+    RefuseBeside(tree, key + "min", min[k], "above " + what + "_hsv_max's", max[k]);
+  }
+}
+
+// MakeView refuses such a region too, but knows only the image.
+void CheckRegion(const ConfigTree& tree, const PerceptionConfig& perception) {
+  const auto within = [&](const char* key, int from, int size) {
+    if (from + perception.roi_side <= size) return;
+    RefuseBeside(tree, std::string("perception.") + key, from,
+                 "more than the frame's " + std::to_string(size) + " less perception.roi_side",
+                 perception.roi_side);
+  };
+  within("roi_x", perception.roi_x, kFrameWidth);
+  within("roi_y", perception.roi_y, kFrameHeight);
+}
+
 }  // namespace
 
 void BaggingConfig::Read(ConfigTree& tree) {
@@ -108,6 +134,13 @@ void BaggingConfig::Read(ConfigTree& tree) {
              perception.cube_max_px2);
   CheckOrder(tree, "perception", "bag_min_px2", perception.bag_min_px2, "bag_max_px2",
              perception.bag_max_px2);
+  CheckColours(tree, "bag", perception.bag_hsv_min, perception.bag_hsv_max);
+  CheckColours(tree, "label", perception.label_hsv_min, perception.label_hsv_max);
+  CheckColours(tree, "cube", perception.cube_hsv_min, perception.cube_hsv_max);
+  if (perception.depth_window_px % 2 == 0) {
+    tree.Refuse("perception.depth_window_px", perception.depth_window_px, "is not odd");
+  }
+  CheckRegion(tree, perception);
   CheckThresholds(tree, "thresholds", thresholds.gusset);
   if (tree.Has("thresholds_published")) {
     published.emplace();

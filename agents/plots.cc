@@ -48,7 +48,11 @@ cv::Scalar Heat(double t) {
   return {255 * cold, 255 * std::min(cold, warm), 255 * warm};
 }
 
-constexpr int kMostPoints = 1000;  // far beyond what any state has
+// Far beyond what any state, action or line has.
+constexpr int kLastState = 5;
+constexpr int kMostPoints = 1000;
+constexpr double kMostReward = 100;
+constexpr double kMostSeconds = 1e6;
 
 }  // namespace
 
@@ -60,14 +64,16 @@ std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file) {
     ++number;
     try {
       const nlohmann::json json = ParseJson(line);
+      JsonField<int>(json, "step", number - 1, number - 1);
       const auto state = JsonField<int>(json, "state", 0, kActingStates - 1);
-      LoggedStep step{
-          state, JsonField<int>(json, "point", 0, kMostPoints), JsonField<double>(json, "reward"),
-          JsonField<std::string>(json, "kind") == "train", json.value("pair", state) == state};
-      step.advanced =
-          JsonField<bool>(json, "success") ||
-          (!JsonField<bool>(json, "done") && JsonField<int>(json, "next_state") > state);
-      step.sim_s = JsonField<double>(json, "sim_s");
+      LoggedStep step{state, JsonField<int>(json, "point", 0, kMostPoints),
+                      JsonField<double>(json, "reward", -kMostReward, kMostReward),
+                      JsonField<std::string>(json, "kind") == "train",
+                      json.value("pair", state) == state};
+      step.advanced = JsonField<bool>(json, "success") ||
+                      (!JsonField<bool>(json, "done") &&
+                       JsonField<int>(json, "next_state", 0, kLastState) > state);
+      step.sim_s = JsonField<double>(json, "sim_s", 0, kMostSeconds);
       steps.push_back(step);
     } catch (const std::exception& e) {
       throw InputError(file.string() + ":" + std::to_string(number) + ": " + e.what());

@@ -17,6 +17,7 @@ nlohmann::json CheckedStep(nlohmann::json step, int number) {
   JsonField<int>(step, "state");
   JsonField<int>(step, "action");
   JsonField<std::uint64_t>(step, "sensor_seed");
+  if (step.contains("reward")) JsonField<double>(step, "reward");
   const auto from = JsonField<nlohmann::json>(step, "from");
   if (from.contains("seed")) {
     JsonField<std::uint64_t>(from, "seed");

@@ -36,6 +36,7 @@ RunFolder RunFolder::Create(const std::filesystem::path& root, const std::string
                      ": holds a run already; continue it with --resume or choose another --out");
   }
   RunFolder folder(root);
+  if (root.empty()) throw InputError("the name of the run's folder is empty");
   MakeFolder(root / "checkpoint");
   MakeFolder(folder.frames());
   WriteFileAtomic(root / "run.json", JsonText(run));

@@ -101,15 +101,8 @@ struct Progress {
   }
 
   void Load(const nlohmann::json& saved) {
-    // Whole numbers go through JsonField, which refuses those that do not fit.
-    const auto get = [&](const char* key, auto& value) {
-      using Value = std::remove_reference_t<decltype(value)>;
-      if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::uint64_t>) {
-        value = JsonField<Value>(saved, key);
-      } else {
-        saved.at(key).get_to(value);
-      }
-    };
+    // Through JsonField, which names what is missing and refuses numbers that do not fit.
+    const auto get = [&](const char* key, auto& value) { value = Field(value, saved, key); };
     const std::size_t states = learnt.size();
     get("actions", actions);
     get("extra", extra);
@@ -134,6 +127,21 @@ struct Progress {
   }
 
  private:
+  template <class T>
+  static T Field(const T&, const nlohmann::json& object, const std::string& key) {
+    return JsonField<T>(object, key);
+  }
+  template <class T>
+  static std::vector<T> Field(const std::vector<T>&, const nlohmann::json& object,
+                              const std::string& key) {
+    std::vector<T> values;
+    for (const nlohmann::json& element : JsonField<nlohmann::json::array_t>(object, key)) {
+      const std::string name = key + "[" + std::to_string(values.size()) + "]";
+      values.push_back(Field(T(), {{name, element}}, name));
+    }
+    return values;
+  }
+
   // Of what is used as an index or a count.
   void CheckBounds() const {
     const auto within = [](const std::string& name, int value, int lo, int hi) {
@@ -143,6 +151,12 @@ struct Progress {
     };
     constexpr int kMost = std::numeric_limits<int>::max();
     within("actions", actions, 0, kMost);
+    if (sim_s < 0) throw InputError("sim_s is below 0");
+    constexpr double kMostReward = 100;  // far beyond any
+    for (const double reward : recent) {
+      if (std::abs(reward) > kMostReward)
+        throw InputError("recent holds a number that is no reward");
+    }
     within("extra", extra, 0, actions);
     within("episode", episode, 0, actions);
     within("episode_actions", episode_actions, 0, actions);
@@ -204,7 +218,21 @@ class Trainer {
     } catch (const std::exception& e) {
       throw InputError(folder_.root().string() + "/checkpoint/state.json: " + e.what());
     }
+    CheckLines(folder_.steps(), progress_.steps_bytes, progress_.actions);
+    CheckLines(folder_.progress(), progress_.progress_bytes, progress_.actions + 1);
     spdlog::info("continuing after {} actions", progress_.actions);
+  }
+
+  // What a checkpoint knows of a log is a line for each of its actions, else the rest would be cut
+  // off, or numbered wrongly.
+  static void CheckLines(const std::filesystem::path& file, std::uint64_t bytes, int lines) {
+    const std::string log = ReadFile(file);
+    const auto kept = static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(bytes, log.size()));
+    const auto there = std::count(log.begin(), log.begin() + kept, '\n');
+    if (there == lines) return;
+    throw InputError(file.string() + ": has " + std::to_string(there) + " lines in the " +
+                     std::to_string(bytes) + " bytes that its checkpoint knows of, not " +
+                     std::to_string(lines));
   }
 
   // Without a checkpoint training begins anew. A run that was killed before its first one has a
@@ -349,7 +377,7 @@ class Trainer {
       trial.sensor_seed = Seed("sensor", index);
       trial.agent_seed = Seed("agent", index);
       const Clock::time_point start = Clock::now();
-      trial.percept = environment.Begin(snapshot, trial.sensor_seed);
+      trial.percept = Begin(environment, snapshot, trial);
       spdlog::debug("step {} of s{}, attempt {}: seen as s{}", plan.index, plan.state, attempt,
                     trial.percept.state);
       if (trial.percept.state != plan.state) continue;
@@ -393,6 +421,16 @@ class Trainer {
     }
   }
 
+  // A damaged snapshot is named by its file.
+  Percept Begin(Environment& environment, const Snapshot& snapshot, const Trial& trial) const {
+    try {
+      return environment.Begin(snapshot, trial.sensor_seed);
+    } catch (const InputError& e) {
+      if (!trial.from.contains("step")) throw;
+      throw InputError(folder_.SnapshotFile(trial.from["step"]).string() + ": " + e.what());
+    }
+  }
+
   void TryChained(Environment& environment, Trial& trial) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = Plan{kAnyState, false, progress_.actions, 0}.SeedIndex(attempt);
@@ -408,7 +446,7 @@ class Trainer {
       trial.sensor_seed = Seed("sensor", index);
       trial.agent_seed = Seed("agent", index);
       const Clock::time_point start = Clock::now();
-      trial.percept = environment.Begin(snapshot, trial.sensor_seed);
+      trial.percept = Begin(environment, snapshot, trial);
       if (trial.percept.state >= states()) continue;
       const bool full = progress_.learnt[At(trial.percept.state)] >= config_.steps;
       trial.mode = full ? Mode::kGreedy : Mode::kExplore;

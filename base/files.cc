@@ -141,6 +141,7 @@ void CheckWritable(const std::filesystem::path& path) {
 }
 
 void MakeFolder(const std::filesystem::path& path) {
+  if (path.empty()) throw InputError("a folder's name is empty");
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) throw InputError(path.string() + ": cannot make this folder: " + error.message());

@@ -29,8 +29,8 @@ constexpr double kLabelArea_px2 = 56;
 /// with varied light, pose and colours (1,708 frames of s1 and s2; docs/perception.md).
 constexpr double kSeveralArea_px2 = 57;
 constexpr double kBlur_px = 0.8;
-/// Single labels may be longer by so much: without it 42 of 7,908 clear frames of a later such corpus
-/// are seen wrong, with it 37.
+/// Single labels may be longer by so much: without it 42 of 7,908 clear frames of a later such
+/// corpus are seen wrong, with it 37.
 constexpr double kSlack_px = 0.2;
 /// How far beyond a spot's end the canvas is looked for, and how far to either side.
 constexpr int kBeyond_px = 4;

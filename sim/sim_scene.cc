@@ -1,5 +1,6 @@
 #include "sim/sim_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -25,6 +26,50 @@ void CheckBag(const ConfigTree& tree, const SimConfig& config) {
                 "is not at most " + Text(most_m) +
                     ": bag.labels_per_layer = " + std::to_string(bag.labels_per_layer) +
                     " labels do not fit side by side onto bag.opening_m = " + Text(bag.opening_m));
+  }
+}
+
+// Meshes on which contact cannot tell a ply from its neighbours, or rows from columns.
+void CheckMesh(const ConfigTree& tree, const BagConfig& bag) {
+  constexpr double kLeastSpacing = 2;   // plies
+  constexpr double kMostElongated = 4;  // cells; those of the bags here are up to 1.1
+  const double across_m = bag.opening_m / (bag.nodes_across - 1);
+  const double deep_m = bag.depth_m / (bag.nodes_deep - 1);
+  const bool across_finer = across_m < deep_m;
+  const std::string key = across_finer ? "bag.nodes_across" : "bag.nodes_deep";
+  const int nodes = across_finer ? bag.nodes_across : bag.nodes_deep;
+  const double finer_m = std::min(across_m, deep_m), coarser_m = std::max(across_m, deep_m);
+  if (finer_m < kLeastSpacing * bag.thickness_m) {
+    tree.Refuse(key, nodes,
+                "puts nodes " + Text(finer_m) +
+                    " m apart, less than two bag.thickness_m = " + Text(bag.thickness_m));
+  }
+  if (coarser_m > kMostElongated * finer_m) {
+    tree.Refuse(key, nodes,
+                "puts nodes " + Text(finer_m) + " m apart, less than a quarter of the " +
+                    Text(coarser_m) + " m of the other direction");
+  }
+}
+
+// The cube waits where the camera sees it and no bag is looked for.
+void CheckCube(const ConfigTree& tree, const SimConfig& config) {
+  const CameraConfig& camera = config.camera;
+  const std::vector<double>& wait = config.world.cube_wait_m;
+  const double half_x_px = std::min(camera.cx, 640 - camera.cx);
+  const double half_y_px = std::min(camera.cy, 480 - camera.cy);
+  const double most_x = half_x_px / camera.fx * camera.height_m - config.world.cube_side_m;
+  const double most_y = half_y_px / camera.fy * camera.height_m - config.world.cube_side_m;
+  const double margin = 0.5 * (config.world.cube_side_m + config.bag.opening_m);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double most = k == 0 ? most_x : most_y;
+    if (std::abs(wait[k]) > most) {
+      tree.Refuse("world.cube_wait_m", wait[k],
+                  "is out of the camera's view, which ends " + Text(most) + " m from its middle");
+    }
+  }
+  if (std::max(std::abs(wait[0]), std::abs(wait[1])) < margin) {
+    tree.Refuse("world.cube_wait_m", std::max(std::abs(wait[0]), std::abs(wait[1])),
+                "is where the bag lies, less than " + Text(margin) + " m from the table's middle");
   }
 }
 
@@ -59,6 +104,8 @@ void SimConfig::Read(ConfigTree& tree) {
   tree.Read("variation", variation);
   tree.Read("starts", starts);
   CheckBag(tree, *this);
+  CheckMesh(tree, bag);
+  CheckCube(tree, *this);
   CheckStarts(tree, *this);
 }
 

@@ -1,5 +1,6 @@
 #include "sim/snapshot.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -10,7 +11,14 @@
 namespace gusset {
 namespace {
 
-constexpr std::string_view kMagic = "gusset snapshot 1\n";
+constexpr std::string_view kMagic = "gusset snapshot 2\n";
+
+// FNV-1a, at the end: any bit that changed is found.
+std::uint64_t Checksum(std::string_view bytes) {
+  std::uint64_t h = 0xcbf29ce484222325ull;
+  for (const char c : bytes) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return h;
+}
 
 class Writer {
  public:
@@ -30,7 +38,7 @@ class Writer {
 
 class Reader {
  public:
-  explicit Reader(const std::string& bytes) : bytes_(bytes) {
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {
     if (!bytes.starts_with(kMagic)) throw InputError("not a gusset snapshot");
     at_ = kMagic.size();
   }
@@ -65,7 +73,7 @@ class Reader {
   }
 
  private:
-  const std::string& bytes_;
+  std::string_view bytes_;
   std::size_t at_ = 0;
 };
 
@@ -129,11 +137,17 @@ void Visit(Stream& s, World& world, Robot& robot) {
 std::string PackSnapshot(const WorldState& world, const SimRobotState& robot) {
   Writer writer;
   Visit(writer, world, robot);
+  writer.Value(Checksum(writer.bytes));
   return std::move(writer.bytes);
 }
 
 void UnpackSnapshot(const std::string& bytes, WorldState& world, SimRobotState& robot) {
-  Reader reader(bytes);
+  std::uint64_t sum = 0;
+  const std::size_t end = bytes.size() - std::min(bytes.size(), sizeof sum);
+  std::memcpy(&sum, bytes.data() + end, bytes.size() - end);
+  const std::string_view content(bytes.data(), end);
+  Reader reader(content);
+  if (Checksum(content) != sum) throw InputError("snapshot is damaged");
   Visit(reader, world, robot);
   reader.End();
 }

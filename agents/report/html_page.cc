@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "agents/image_file.h"
 #include "base/config.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -92,14 +93,7 @@ std::string DataUri(const std::string& type, std::string_view bytes) {
 }
 
 std::string PictureUri(const std::filesystem::path& file, int width_px) {
-  const std::string bytes = ReadFile(file);
-  cv::Mat image;
-  if (!bytes.empty()) {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
-                          const_cast<char*>(bytes.data()));
-    image = cv::imdecode(encoded, cv::IMREAD_COLOR);
-  }
-  if (image.empty()) throw InputError(file.string() + ": is not an image");
+  cv::Mat image = ReadImage(file, cv::IMREAD_COLOR);
   if (image.cols > width_px) {
     const int height =
         std::max(1, cvRound(static_cast<double>(image.rows) * width_px / image.cols));

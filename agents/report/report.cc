@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <set>
 
 #include "agents/plots.h"
 #include "agents/report/curves.h"
@@ -195,8 +196,12 @@ ordered_json CollectReport(const std::vector<fs::path>& folders, const Published
   std::vector<RunData> runs;
   std::vector<Film> films;
   ordered_json tables = ordered_json::array();
+  std::set<fs::path> given;
   for (const fs::path& folder : folders) {
     if (!IsFolder(folder)) throw InputError(folder.string() + ": is not a folder");
+    if (!given.insert(fs::canonical(folder)).second) {
+      throw InputError(folder.string() + ": is given twice");
+    }
     const std::size_t before = runs.size() + films.size() + tables.size();
     const bool experiment = Exists(folder / "results.csv");
     if (experiment) {

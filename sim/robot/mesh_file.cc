@@ -46,7 +46,8 @@ void Append(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_FP,
 }  // namespace
 
 std::vector<MeshPart> LoadMeshFile(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) {
     throw InputError(file.string() + ": no such mesh file");
   }
   Assimp::Importer importer;

@@ -6,12 +6,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <mutex>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "sim/robot/mesh_file.h"
 
 namespace gusset {
@@ -38,6 +37,25 @@ class ParserErrors : public console_bridge::OutputHandler {
   std::lock_guard<std::mutex> lock_;
   std::string text_;
 };
+
+// A robot is written by hand or by a CAD program. The parser and what follows the tree of links
+// need stack for each level, so both are bounded.
+constexpr std::size_t kMaxUrdfBytes = 4 << 20;
+constexpr int kMostXmlDepth = 100;
+constexpr std::size_t kMostLinks = 1000;
+
+void RefuseDeepXml(const std::filesystem::path& urdf, const std::string& xml) {
+  int depth = 0, line = 1;
+  for (std::size_t i = 0; i + 1 < xml.size(); ++i) {
+    if (xml[i] == '\n') ++line;
+    if (xml[i] == '<' && xml[i + 1] != '/' && xml[i + 1] != '!' && xml[i + 1] != '?') ++depth;
+    if ((xml[i] == '<' && xml[i + 1] == '/') || (xml[i] == '/' && xml[i + 1] == '>')) --depth;
+    if (depth > kMostXmlDepth) {
+      throw InputError(urdf.string() + ":" + std::to_string(line) + ": is nested deeper than " +
+                       std::to_string(kMostXmlDepth) + " levels");
+    }
+  }
+}
 
 // One element of one file, for messages.
 struct Place {
@@ -87,15 +105,28 @@ std::filesystem::path ResolveMesh(const std::filesystem::path& urdf, const std::
 
 std::vector<MeshPart> ReadMesh(const std::filesystem::path& urdf, const urdf::Mesh& mesh,
                                const Place& place) {
+  const std::filesystem::path file = ResolveMesh(urdf, mesh.filename, place);
   std::vector<MeshPart> parts;
   try {
-    parts = LoadMeshFile(ResolveMesh(urdf, mesh.filename, place));
+    parts = LoadMeshFile(file);
   } catch (const InputError& error) {
     place.Fail(error.what());
   }
   const Eigen::Vector3f scale = place.Vector(mesh.scale, "mesh scale").cast<float>();
+  if ((scale.array() == 0).any()) place.Fail("mesh scale has a 0");
+  Eigen::AlignedBox3f box;
   for (MeshPart& part : parts) {
-    for (Eigen::Vector3f& v : part.mesh.vertices) v = v.cwiseProduct(scale);
+    for (Eigen::Vector3f& v : part.mesh.vertices) {
+      v = v.cwiseProduct(scale);
+      box.extend(v);
+    }
+  }
+  constexpr float kMostSize_m = 100;
+  const float size_m = box.sizes().maxCoeff();
+  if (!(size_m > 0 && size_m <= kMostSize_m)) {
+    place.Fail(file.string() + ": is " + std::to_string(size_m) +
+               " m large with its scale, not within (0, " +
+               std::to_string(static_cast<int>(kMostSize_m)) + "]");
   }
   return parts;
 }
@@ -243,18 +274,19 @@ Eigen::Isometry3d RobotJoint::Transform(double q) const {
 }
 
 RobotModel RobotModel::Load(const std::filesystem::path& urdf, bool with_visuals) {
-  std::ifstream stream(urdf);
-  std::ostringstream xml;
-  if (!stream || !(xml << stream.rdbuf())) {
-    throw InputError(urdf.string() + ": cannot be read");
-  }
+  const std::string xml = ReadFile(urdf, kMaxUrdfBytes);
+  RefuseDeepXml(urdf, xml);
   urdf::ModelInterfaceSharedPtr tree;
   {
     ParserErrors errors;
-    tree = urdf::parseURDF(xml.str());
+    tree = urdf::parseURDF(xml);
     if (tree == nullptr || !errors.text().empty()) {
       throw InputError(urdf.string() + ": not a valid URDF: " + errors.text());
     }
+  }
+  if (tree->links_.size() > kMostLinks) {
+    throw InputError(urdf.string() + ": has " + std::to_string(tree->links_.size()) +
+                     " links, more than " + std::to_string(kMostLinks));
   }
   RobotModel model;
   model.file_ = urdf.string();

@@ -367,7 +367,11 @@ TEST_F(TrainerTest, ACheckpointWithImpossibleNumbersIsRefusedAndCostsNothing) {
   refused("/source_size/2", 100000000, "source_size[2]");
   refused("/pools/1/0", -1, "pools[1] = -1");
   refused("/actions", 4294967377, "actions = 4294967377 has the wrong type or size");
-  refused("/steps_bytes", 5, "no line ends at byte 5");
+  refused("/learnt/0", 1e30, "learnt[0] = 1e+30 has the wrong type or size");
+  refused("/sim_s", -5, "sim_s is below 0");
+  refused("/steps_bytes", 5, "steps.jsonl: has 0 lines in the 5 bytes");
+  refused("/steps_bytes", 0, "steps.jsonl: has 0 lines in the 0 bytes");
+  refused("/progress_bytes", 0, "progress.csv: has 0 lines in the 0 bytes");
   WriteFileAtomic(file, good.dump());
   EXPECT_EQ(Run(folder, {.steps = 5}), "");
 }

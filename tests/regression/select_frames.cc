@@ -7,6 +7,7 @@
 #include <set>
 
 #include "agents/bagging_env.h"
+#include "agents/image_file.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "tests/regression/stored_frame.h"

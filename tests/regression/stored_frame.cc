@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "agents/bagging_env.h"
+#include "agents/image_file.h"
 #include "base/files.h"
 #include "perception/overlay.h"
 #include "tools/gusset/image_input.h"

@@ -104,6 +104,27 @@ TEST(BagFile, ARimTooNarrowForTheUsualLabelsIsRefused) {
             "not fit side by side onto bag.opening_m = 0.2");
 }
 
+// Contact cannot tell a ply from its neighbours, or a row from a column.
+TEST(BagFile, MeshesFinerThanThePlyOrOfSliversAreRefused) {
+  EXPECT_EQ(ErrorOf("opening_m = 0.1\nnodes_across = 64\nnodes_deep = 64\nlabels_per_layer = 3\n",
+                    "[starts]\nfolded_area_min_px = 100\n"),
+            "my.toml:3: bag.nodes_across = 64 puts nodes 0.0015873 m apart, less than two "
+            "bag.thickness_m = 0.0015");
+  EXPECT_EQ(ErrorOf("nodes_deep = 64\nnodes_across = 8"),
+            "my.toml:2: bag.nodes_deep = 64 puts nodes 0.00555556 m apart, less than a quarter of "
+            "the 0.0428571 m of the other direction");
+}
+
+TEST(BagFile, ACubeThatWaitsWhereTheBagLiesOrUnseenIsRefused) {
+  EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [0, 0.1]\n"),
+            "my.toml:4: world.cube_wait_m = 0.1 is where the bag lies, less than 0.1675 m from the "
+            "table's middle");
+  EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [0, -0.44]\n"),
+            "my.toml:4: world.cube_wait_m = -0.44 is out of the camera's view, which ends 0.381 m "
+            "from its middle");
+  EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [-0.42, 0]\n"), "no error");
+}
+
 TEST(BagFile, StartsThatABagCannotCoverAreRefused) {
   EXPECT_EQ(ErrorOf("opening_m = 0.15\ndepth_m = 0.1\nflexural_rigidity_Nm = 1e-6",
                     "[starts]\nfolded_area_min_px = 6000\nfolded_area_max_px = 9000\n"),

@@ -144,6 +144,15 @@ TEST_F(RobotFiles, ErrorsAreOneLineNamingFileAndElement) {
                    </collision></link>)"),
        {"link 'tip'", "radius"}},
   };
+  std::string deep, chain;
+  for (int i = 0; i < 100000; ++i) deep += "<a>";
+  for (int i = 0; i < 2000; ++i) chain += "<link name=\"l" + std::to_string(i) + "\"/>";
+  for (int i = 1; i < 2000; ++i) {
+    chain += "<joint name=\"j" + std::to_string(i) + "\" type=\"fixed\"><parent link=\"l" +
+             std::to_string(i - 1) + "\"/><child link=\"l" + std::to_string(i) + "\"/></joint>";
+  }
+  EXPECT_THAT(LoadError("<robot name='r'>\n" + deep), HasSubstr("r.urdf:2: is nested deeper"));
+  EXPECT_THAT(LoadError("<robot name='r'>" + chain + "</robot>"), HasSubstr("has 2000 links"));
   for (const Case& c : cases) {
     const std::string error = LoadError(c.urdf);
     EXPECT_THAT(error, AllOf(HasSubstr("r.urdf"), Not(HasSubstr("\n")))) << c.urdf;
@@ -162,6 +171,17 @@ TEST_F(RobotFiles, CollisionMeshBecomesItsBoundingBox) {
   EXPECT_EQ(shape.kind, CollisionShape::Kind::kBox);
   EXPECT_TRUE(shape.size_m.isApprox(Eigen::Vector3d(0.2, 0.4, 0.6), 1e-6));
   EXPECT_TRUE(shape.X_LS.translation().isApprox(Eigen::Vector3d(0.1, 0.2, 0.3), 1e-6));
+}
+
+TEST_F(RobotFiles, AMeshThatItsScaleMakesNothingOrEndlessIsRefused) {
+  Write("m.obj", "v 0 0 0\nv 2 0 0\nv 0 4 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  for (const char* scale : {"0 1 1", "1e38 1e38 1e38", "1000 1 1"}) {
+    const std::string error = LoadError(Replaced(
+        kTwoJoints, "<link name=\"tip\"/>",
+        std::string("<link name=\"tip\"><collision><geometry><mesh filename=\"m.obj\" scale=\"") +
+            scale + "\"/></geometry></collision></link>"));
+    EXPECT_THAT(error, AllOf(HasSubstr("link 'tip'"), HasSubstr("scale"))) << scale;
+  }
 }
 
 TEST_F(RobotFiles, BrokenMeshIsRefused) {

@@ -195,6 +195,47 @@ TEST_F(Cli, HalfAnImageIsRefused) {
   }
 }
 
+// What libpng, libjpeg and OpenCV say themselves would be further lines.
+TEST_F(Cli, ADamagedImageIsRefusedInOneLine) {
+  cv::Mat noise(480, 640, CV_8UC3);
+  cv::randu(noise, 0, 255);
+  for (const char* name : {"a.jpg", "a.png", "a.bmp"}) {
+    const fs::path file = dir_ / name;
+    cv::imwrite(file.string(), noise);
+    const std::string whole = ReadFile(file);
+    const std::size_t third = whole.size() / 3;
+    WriteFileAtomic(file, whole.substr(0, third) + whole.substr(2 * third));
+    ExpectRefused("classify " + file.string(), std::string(name) + ": is ");
+  }
+}
+
+TEST_F(Cli, NothingGivenIsOverwritten) {
+  for (const char* folder : {"a", "b"}) {
+    fs::create_directory(dir_ / folder);
+    cv::imwrite((dir_ / folder / "x.png").string(), cv::Mat::zeros(480, 640, CV_8UC3));
+  }
+  const std::string a = (dir_ / "a/x.png").string(), b = (dir_ / "b/x.png").string();
+  ExpectRefused("classify " + a + " " + b + " --out " + dir_.string(), "would both become x_ov");
+  ExpectRefused("report " + dir_.string() + " --out " + a, "does not end in .html");
+  const std::string policy = Write("p.json", "{}").string();
+  ExpectRefused("evaluate --policy " + policy + " --out " + policy, "is a file of --policy");
+  EXPECT_EQ(Slurp(policy), "{}");
+}
+
+TEST_F(Cli, ValuesThatFindNothingOrWrapAreRefused) {
+  ExpectRefused("classify a.png --set perception.bag_hsv_min=[0,200,45]",
+                "perception.bag_hsv_min = 200 is above bag_hsv_max's = 107");
+  ExpectRefused("classify a.png --set perception.label_hsv_min=[200,0,0]", "is no hue");
+  ExpectRefused("classify a.png --set perception.depth_window_px=4", "= 4 is not odd");
+  ExpectRefused("classify a.png --set perception.roi_x=600", "perception.roi_x = 600 is more than");
+  for (const char* command : {"evaluate --policy random", "play --policy random --out o"}) {
+    ExpectRefused(std::string(command) + " --seed -1", "--seed");
+    ExpectRefused(std::string(command) + " --seed 99999999999999999999", "--seed");
+  }
+  ExpectRefused("play --run r --start unfolded --out o", "--start");
+  ExpectRefused("train --out \"\"", "is empty");
+}
+
 TEST_F(Cli, WhatCannotBePrintedIsAFailure) {
   const fs::path file = dir_ / "a.png";
   cv::imwrite(file.string(), cv::Mat::zeros(480, 640, CV_8UC3));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <set>
@@ -162,14 +163,31 @@ class ClassifyCommand final : public Command {
       return PreparePhotograph(ReadFrame(image, depth_), options, config.perception);
     } catch (const InputError& e) {
       const std::string what = e.what();
-      throw InputError(what.starts_with(image) || what.starts_with(depth_) ? what
-                                                                           : image + ": " + what);
+      const bool named = what.starts_with(image) || (!depth_.empty() && what.starts_with(depth_));
+      throw InputError(named ? what : image + ": " + what);
+    }
+  }
+
+  static std::string OverlayName(const std::filesystem::path& image) {
+    return image.stem().string() + "_overlay.png";
+  }
+
+  void RefuseSameOverlays() const {
+    std::map<std::string, std::string> images;
+    for (const std::string& image : images_) {
+      const auto [other, is_new] = images.emplace(OverlayName(image), image);
+      if (is_new) continue;
+      throw InputError("--out: " + image + " and " + other->second + " would both become " +
+                       OverlayName(image));
     }
   }
 
   void ClassifyImages() const {
     const BaggingConfig config = LoadPerception();
-    if (!out_.empty()) MakeFolder(out_);
+    if (!out_.empty()) {
+      RefuseSameOverlays();
+      MakeFolder(out_);
+    }
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const std::string& image : images_) {
       const Photograph photograph = Prepare(image, config);
@@ -178,9 +196,7 @@ class ClassifyCommand final : public Command {
                            photograph.warnings.end());
       list.push_back(Json(image, seen));
       if (out_.empty()) continue;
-      const std::filesystem::path overlay =
-          std::filesystem::path(out_) /
-          (std::filesystem::path(image).stem().string() + "_overlay.png");
+      const std::filesystem::path overlay = std::filesystem::path(out_) / OverlayName(image);
       WriteImage(overlay, DrawOverlay(photograph.frame, seen));
       list.back()["overlay"] = overlay.string();
     }

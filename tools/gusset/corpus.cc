@@ -3,6 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "agents/image_file.h"
 #include "agents/json_fields.h"
 #include "base/files.h"
 #include "tools/gusset/image_input.h"

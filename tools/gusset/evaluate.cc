@@ -29,7 +29,9 @@ class EvaluateCommand final : public Command {
     app.add_option("--repeats", repeats_, "Actions in one state before an episode is given up")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    app.add_option("--seed", seed_, "Seed of starts and noise")->capture_default_str();
+    app.add_option("--seed", seed_, "Seed of starts and noise")
+        ->check(SeedRange())
+        ->capture_default_str();
     app.add_option("--jobs", jobs_, "Worlds that run at once; the result does not depend on it")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
@@ -51,7 +53,7 @@ class EvaluateCommand final : public Command {
     const std::filesystem::path frames =
         std::filesystem::path(out_).replace_extension().concat("_frames");
     if (dump_ != "none") MakeFolder(frames);
-    if (!out_.empty()) CheckWritable(out_);
+    if (!out_.empty()) CheckOut();
     const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
     const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
@@ -74,6 +76,20 @@ class EvaluateCommand final : public Command {
   }
 
  private:
+  // What is measured is not to take the place of what it is measured on.
+  void CheckOut() const {
+    CheckWritable(out_);
+    const std::filesystem::path policy = policy_;
+    const std::filesystem::path run = IsFolder(policy) ? policy : policy.parent_path();
+    for (const std::filesystem::path& own : {policy, run / "policy.json", run / "config.toml",
+                                             run / "run.json", run / "steps.jsonl"}) {
+      std::error_code none;
+      if (policy_ != "random" && std::filesystem::equivalent(own, out_, none)) {
+        throw InputError("--out: " + out_ + " is a file of --policy");
+      }
+    }
+  }
+
   nlohmann::ordered_json Document(const Settings& settings, const EvaluationResult& result,
                                   double seconds_wall) const {
     nlohmann::ordered_json per_step = nlohmann::ordered_json::array();

@@ -95,7 +95,8 @@ Photograph PreparePhotograph(const RgbdFrame& image, const PhotographOptions& op
   const cv::Size size(cvRound(crop.width * scale), cvRound(crop.height * scale));
   if (!(scale > 1 / kMostScaling && scale < kMostScaling) || size.empty() ||
       static_cast<double>(size.width) * size.height > kMostPixels) {
-    throw InputError("scaling the image by " + std::to_string(scale) + " is not sensible");
+    throw InputError("--px-per-m or --camera: scaling the image by " + std::to_string(scale) +
+                     " is not sensible");
   }
   cv::Mat color, depth;
   cv::resize(photograph.frame.color, color, size, 0, 0,

@@ -63,7 +63,10 @@ class PlayCommand final : public Command {
     run->excludes(policy);
     app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [that of the run]");
     start_.AddTo(app);
-    app.add_option("--seed", seed_, "Seed of the episode")->capture_default_str();
+    for (const char* of_episode : {"--start", "--pose"}) app.get_option(of_episode)->excludes(run);
+    app.add_option("--seed", seed_, "Seed of the episode")
+        ->check(SeedRange())
+        ->capture_default_str();
     app.add_option("--out", out_, "Folder for the pictures")->required()->type_name("DIR");
     app.add_option("--dump", dump_, "Whose frames are kept, beside the video: all, failures, none")
         ->check(CLI::IsMember(DumpChoices()))

@@ -65,7 +65,9 @@ class RenderCommand final : public Command {
     app.add_option("--looks", looks_, "Frames of each, with other sensor noise")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    app.add_option("--seed", seed_, "Seed of starts, actions and noise")->capture_default_str();
+    app.add_option("--seed", seed_, "Seed of starts, actions and noise")
+        ->check(SeedRange())
+        ->capture_default_str();
     app.add_option("--out", out_, "Folder to write")->required()->type_name("DIR");
     app.add_option("--bag", bag_, "Bag: a name in assets/bags or a TOML file [bag1]");
     app.add_option("--policy", policy_, "Who acts on the way to the state")->capture_default_str();

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "agents/report/html_page.h"
+#include "base/error.h"
 #include "base/files.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
@@ -27,6 +28,10 @@ class ReportCommand final : public Command {
 
   void Run() override {
     common_.StartLog();
+    const std::string suffix = std::filesystem::path(out_).extension().string();
+    if (suffix != ".html" && suffix != ".htm") {
+      throw InputError("--out: " + out_ + " does not end in .html");
+    }
     CheckWritable(out_);
     // A report depends on no setting; mistakes in those given are told all the same.
     if (!common_.config_files.empty() || !common_.assignments.empty()) LoadSettings(common_, {});

@@ -19,6 +19,9 @@
 
 namespace gusset {
 
+/// What --seed takes: whole numbers that any reader of JSON keeps (RFC 8259, section 6).
+inline CLI::Range SeedRange() { return CLI::Range(0.0, 9007199254740991.0, "INT in [0 - 2^53)"); }
+
 /// Options that every subcommand takes.
 struct CommonOptions {
   std::vector<std::string> config_files;  ///< --config, later ones win.

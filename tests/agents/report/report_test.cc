@@ -177,11 +177,18 @@ TEST_F(Report, BrokenFilesAreNamed) {
               HasSubstr("holds neither a run"));
 
   const std::string steps = ReadFile(run / "steps.jsonl");
-  WriteFileAtomic(run / "steps.jsonl", steps + "{\"state\": 4}\n");
-  const auto line = std::count(steps.begin(), steps.end(), '\n') + 1;
-  EXPECT_THAT(refusal(), HasSubstr("steps.jsonl:" + std::to_string(line) +
+  const auto lines = std::count(steps.begin(), steps.end(), '\n');
+  WriteFileAtomic(run / "steps.jsonl",
+                  steps + "{\"step\": " + std::to_string(lines) + ", \"state\": 4}\n");
+  EXPECT_THAT(refusal(), HasSubstr("steps.jsonl:" + std::to_string(lines + 1) +
                                    ": state = 4 is not within [0, 3]"));
+  WriteFileAtomic(run / "steps.jsonl", steps + steps);
+  EXPECT_THAT(refusal(), HasSubstr(": step = 0 is not within ["));
   WriteFileAtomic(run / "steps.jsonl", steps);
+  EXPECT_THAT(Refusal([&] {
+                (void)CollectReport({run, run / "."}, kNothing);
+              }),
+              HasSubstr("is given twice"));
 
   WriteFileAtomic(run / "evaluation_x.json", "{\"bag\": \"b\", \"start\": 1}");
   EXPECT_THAT(refusal(), HasSubstr("evaluation_x.json: start = 1 has the wrong type"));
