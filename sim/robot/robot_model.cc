@@ -45,15 +45,23 @@ constexpr int kMostXmlDepth = 100;
 constexpr std::size_t kMostLinks = 1000;
 
 void RefuseDeepXml(const std::filesystem::path& urdf, const std::string& xml) {
-  int depth = 0, line = 1;
-  for (std::size_t i = 0; i + 1 < xml.size(); ++i) {
-    if (xml[i] == '\n') ++line;
-    if (xml[i] == '<' && xml[i + 1] != '/' && xml[i + 1] != '!' && xml[i + 1] != '?') ++depth;
-    if ((xml[i] == '<' && xml[i + 1] == '/') || (xml[i] == '/' && xml[i + 1] == '>')) --depth;
-    if (depth > kMostXmlDepth) {
-      throw InputError(urdf.string() + ":" + std::to_string(line) + ": is nested deeper than " +
-                       std::to_string(kMostXmlDepth) + " levels");
+  int depth = 0;
+  for (std::size_t i = 0; (i = xml.find_first_of("</", i)) != std::string::npos; ++i) {
+    const std::string_view rest = std::string_view(xml).substr(i);
+    if (rest.starts_with("<!--")) {
+      i = std::min(xml.find("-->", i), xml.size() - 1);
+    } else if (rest.starts_with("</") || rest.starts_with("/>")) {
+      --depth;
+      ++i;
+    } else if (rest[0] == '<' && !rest.starts_with("<!") && !rest.starts_with("<?")) {
+      ++depth;
     }
+    if (depth <= kMostXmlDepth) continue;
+    throw InputError(
+        urdf.string() + ":" +
+        std::to_string(
+            1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(i), '\n')) +
+        ": is nested deeper than " + std::to_string(kMostXmlDepth) + " levels");
   }
 }
 

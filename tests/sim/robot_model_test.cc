@@ -144,7 +144,11 @@ TEST_F(RobotFiles, ErrorsAreOneLineNamingFileAndElement) {
                    </collision></link>)"),
        {"link 'tip'", "radius"}},
   };
-  std::string deep, chain;
+  std::string deep, chain, comments = "<!--";
+  for (int i = 0; i < 200; ++i) comments += " <a> ";
+  EXPECT_EQ(
+      LoadError(Replaced(kTwoJoints, "<link name=\"tip\"/>", comments + "--><link name=\"tip\"/>")),
+      LoadError(kTwoJoints));
   for (int i = 0; i < 100000; ++i) deep += "<a>";
   for (int i = 0; i < 2000; ++i) chain += "<link name=\"l" + std::to_string(i) + "\"/>";
   for (int i = 1; i < 2000; ++i) {
