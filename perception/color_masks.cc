@@ -36,6 +36,7 @@ class HsvRange {
   /// No pixel darker than this belongs.
   void RaiseLeastValue(double v) { lo_[2] = std::max(lo_[2], Level(v)); }
 
+  int least_value() const { return lo_[2]; }
   /// Where the largest and the smallest of B, G and R differ by less, no pixel belongs.
   int least_chroma() const { return lo_[1] * lo_[2] / 255; }
 
@@ -120,6 +121,32 @@ void ForStrips(const cv::Rect& rect, const F& f) {
   }
 }
 
+/// Columns of a strip outside which every pixel is darker than `least_value` and greyer than
+/// `least_chroma`: canvas, which is not worth its conversion.
+cv::Range Columns(const cv::Mat& bgr, int least_value, int least_chroma) {
+  constexpr int kLanes = cv::v_uint8x16::nlanes;
+  if (bgr.cols < kLanes) return {0, bgr.cols};
+  const cv::v_uint8x16 value = cv::v_setall_u8(cv::saturate_cast<uchar>(least_value));
+  const cv::v_uint8x16 chroma = cv::v_setall_u8(cv::saturate_cast<uchar>(least_chroma));
+  const auto is_canvas = [&](int x) {
+    cv::v_uint8x16 other = cv::v_setzero_u8();
+    for (int y = 0; y < bgr.rows; ++y) {
+      cv::v_uint8x16 b, g, r;
+      cv::v_load_deinterleave(bgr.ptr(y) + 3 * x, b, g, r);
+      const cv::v_uint8x16 most = cv::v_max(cv::v_max(b, g), r);
+      other = other | (most >= value) | (most - cv::v_min(cv::v_min(b, g), r) >= chroma);
+    }
+    return !cv::v_check_any(other);
+  };
+  cv::Range columns(0, bgr.cols);
+  while (columns.start + kLanes <= bgr.cols && is_canvas(columns.start)) columns.start += kLanes;
+  if (columns.start + kLanes > bgr.cols) columns.start = bgr.cols - kLanes;
+  while (columns.end - kLanes >= columns.start && is_canvas(columns.end - kLanes)) {
+    columns.end -= kLanes;
+  }
+  return columns;
+}
+
 using Histogram = std::array<int, 256>;
 
 /// The least value that the share `share` of what was counted does not exceed; 0 for nothing.
@@ -129,6 +156,21 @@ int Quantile(const Histogram& histogram, double share) {
   int value = 0;
   for (int seen = histogram[0]; seen < share * count; seen += histogram[value]) ++value;
   return value;
+}
+
+/// The first sampled column that is not before `x`.
+int FirstSampled(int x) { return (x + kSampled - 1) / kSampled * kSampled; }
+
+/// What a strip's columns and those of the strips above and below it span.
+cv::Range WithNeighbours(const std::vector<cv::Range>& strips, std::size_t index) {
+  cv::Range all(0, 0);
+  for (std::size_t k = index > 0 ? index - 1 : 0; k < std::min(index + 2, strips.size()); ++k) {
+    if (strips[k].empty()) continue;
+    all = all.empty()
+              ? strips[k]
+              : cv::Range(std::min(all.start, strips[k].start), std::max(all.end, strips[k].end));
+  }
+  return all;
 }
 
 /// True if there is cloth a label's length from a pixel, on any side: something else of a label's
@@ -213,27 +255,33 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   const HsvRange label_hue({config.label_hsv_min[0], 0, config.label_hsv_min[2]},
                            config.label_hsv_max);
 
-  ColorMasks masks{cv::Mat(view.roi.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1),
-                   cv::Mat::zeros(color.size(), CV_8UC1), cv::Mat::zeros(view.roi.size(), CV_8UC1)};
+  ColorMasks masks{cv::Mat::zeros(view.roi.size(), CV_8UC1),
+                   cv::Mat::zeros(view.roi.size(), CV_8UC1), cv::Mat::zeros(color.size(), CV_8UC1),
+                   cv::Mat::zeros(view.roi.size(), CV_8UC1)};
   std::array<Histogram, 3> cloth_bgr{};
   cv::Mat hsv;
-  ForStrips(view.roi, [&](const cv::Rect& strip) {
-    cv::cvtColor(color(strip), hsv, cv::COLOR_BGR2HSV);
+  std::vector<cv::Range> bright;  // of the region's strips
+  const cv::Rect& roi = view.roi;
+  ForStrips(roi, [&](const cv::Rect& strip) {
+    const cv::Range columns = Columns(color(strip), cloth.least_value(), cube.least_chroma());
+    bright.push_back(columns);
+    if (columns.empty()) return;
+    cv::cvtColor(color(strip).colRange(columns), hsv, cv::COLOR_BGR2HSV);
     for (int y = 0; y < strip.height; ++y) {
-      const int row = strip.y + y - view.roi.y;
-      MarkRow(hsv.ptr(y), strip.width,
-              {{&cube, masks.cube.ptr(strip.y + y) + strip.x}, {&cloth, masks.cloth.ptr(row)}});
+      const int row = strip.y + y - roi.y;
+      MarkRow(hsv.ptr(y), columns.size(),
+              {{&cube, masks.cube.ptr(strip.y + y) + roi.x + columns.start},
+               {&cloth, masks.cloth.ptr(row) + columns.start}});
       if (row % kSampled != 0) continue;
       const uchar* is_cloth = masks.cloth.ptr(row);
-      const auto* bgr = color.ptr<cv::Vec3b>(strip.y + y) + strip.x;
-      for (int x = 0; x < strip.width; x += kSampled) {
+      const auto* bgr = color.ptr<cv::Vec3b>(strip.y + y) + roi.x;
+      for (int x = FirstSampled(columns.start); x < columns.end; x += kSampled) {
         if (is_cloth[x] == 0) continue;
         for (int k = 0; k < 3; ++k) ++cloth_bgr[static_cast<std::size_t>(k)][bgr[x][k]];
       }
     }
   });
 
-  const cv::Rect& roi = view.roi;
   for (const cv::Rect& beside :
        {cv::Rect(0, 0, color.cols, roi.y),
         cv::Rect(0, roi.br().y, color.cols, color.rows - roi.br().y),
@@ -259,7 +307,15 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   const cv::Mat balance = BalanceTable(cloth_bgr);
   Histogram cloth_saturation{};
   cv::Mat balanced;
-  ForStrips(on_bag, [&](const cv::Rect& strip) {
+  static_assert(kLabelLength_px <= kStrip);
+  std::size_t index = 0;
+  ForStrips({{0, 0}, roi.size()}, [&](cv::Rect strip) {
+    const cv::Range columns = WithNeighbours(bright, index++);
+    if (columns.empty()) return;
+    strip.x = columns.start - kLabelLength_px;
+    strip.width = columns.size() + 2 * kLabelLength_px;
+    strip &= on_bag;
+    if (strip.empty()) return;
     cv::LUT(color(strip + roi.tl()), balance, balanced);
     cv::cvtColor(balanced, hsv, cv::COLOR_BGR2HSV);
     for (int y = 0; y < strip.height; ++y) {
@@ -269,7 +325,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
                {&label_hue, masks.label_cover.ptr(row) + strip.x, /*saturation=*/true}});
       if (row % kSampled != 0) continue;
       const uchar* is_cloth = masks.cloth.ptr(row) + strip.x;
-      for (int x = (kSampled - strip.x % kSampled) % kSampled; x < strip.width; x += kSampled) {
+      for (int x = FirstSampled(strip.x) - strip.x; x < strip.width; x += kSampled) {
         if (is_cloth[x] != 0) ++cloth_saturation[hsv.ptr(y)[3 * x + 1]];
       }
     }
