@@ -28,8 +28,8 @@ bool IsCutOff(std::string_view bytes) {
   return bytes.find("\xff\xd9", std::min(at, bytes.size())) == std::string_view::npos;
 }
 
-// True if libjpeg had to make up a part of the image. It warns of bytes too many as well, which
-// some cameras write.
+// True if libjpeg had to make up a part of the image, as far as its first words tell: it warns of
+// bytes too many as well, which some cameras write.
 bool SaysDamaged(const std::string& words) {
   return words.find("Corrupt JPEG data") != std::string::npos &&
          words.find("extraneous bytes") == std::string::npos;

@@ -49,9 +49,10 @@ cv::Scalar Heat(double t) {
 }
 
 // Far beyond what any state, action or line has.
+// Areas of a frame over A_bmax or A_omax, which may be 1.
+constexpr double kMostReward = 1e6;
 constexpr int kLastState = 5;
 constexpr int kMostPoints = 1000;
-constexpr double kMostReward = 100;
 constexpr double kMostSeconds = 1e6;
 
 }  // namespace

@@ -152,11 +152,6 @@ struct Progress {
     constexpr int kMost = std::numeric_limits<int>::max();
     within("actions", actions, 0, kMost);
     if (sim_s < 0) throw InputError("sim_s is below 0");
-    constexpr double kMostReward = 100;  // far beyond any
-    for (const double reward : recent) {
-      if (std::abs(reward) > kMostReward)
-        throw InputError("recent holds a number that is no reward");
-    }
     within("extra", extra, 0, actions);
     within("episode", episode, 0, actions);
     within("episode_actions", episode_actions, 0, actions);

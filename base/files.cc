@@ -52,8 +52,23 @@ bool IsDevice(const std::filesystem::path& path) {
   return ::stat(path.c_str(), &is) == 0 && !S_ISREG(is.st_mode) && !S_ISDIR(is.st_mode);
 }
 
-void WriteToDevice(const std::filesystem::path& path, std::string_view contents) {
-  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+// The stream of ours that is redirected to this file (1, 2), as /dev/stdout names it; else -1.
+int OwnStream(const std::filesystem::path& path) {
+  struct stat is {
+  }, ours{};
+  if (::stat(path.c_str(), &is) != 0) return -1;
+  for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fstat(fd, &ours) == 0 && ours.st_dev == is.st_dev && ours.st_ino == is.st_ino) return fd;
+  }
+  return -1;
+}
+
+// True if what is written goes through it rather than into a file of its own.
+bool IsThrough(const std::filesystem::path& path) { return IsDevice(path) || OwnStream(path) >= 0; }
+
+void WriteThrough(const std::filesystem::path& path, std::string_view contents) {
+  const int own = OwnStream(path);
+  const Descriptor file(own >= 0 ? ::dup(own) : ::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.get() < 0) throw InputError(Reason(path, "cannot write", errno));
   if (const int error = WriteAll(file.get(), contents)) {
     throw RunError(Reason(path, "cannot write", error));
@@ -101,7 +116,7 @@ std::string ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
 }
 
 void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents) {
-  if (IsDevice(path)) return WriteToDevice(path, contents);
+  if (IsThrough(path)) return WriteThrough(path, contents);
   const std::filesystem::path target = BehindLinks(path);
   const std::filesystem::path beside = Beside(target);
   const auto give_up = [&](const char* what, int error) {
@@ -127,16 +142,16 @@ void CheckWritable(const std::filesystem::path& path) {
   };
   if (path.empty()) refuse(path, ENOENT);
   if (IsFolder(path)) refuse(path, EISDIR);
-  const bool device = IsDevice(path);
-  const std::filesystem::path target = BehindLinks(path);
-  const std::filesystem::path tried = device ? path : Beside(target);
   struct stat is {};
-  const bool there = ::lstat(tried.c_str(), &is) == 0;
-  const int how = O_WRONLY | O_CLOEXEC | O_NONBLOCK | (device ? 0 : O_CREAT);
-  const Descriptor file(::open(tried.c_str(), how, 0644));
-  if (file.get() < 0 && errno != ENXIO) {  // a pipe may get its reader later
-    refuse(there ? tried : path, errno);
+  if (IsThrough(path)) {  // not opened: a pipe's reader would take that for the end
+    if (::access(path.c_str(), W_OK) != 0) refuse(path, errno);
+    if (::stat(path.c_str(), &is) == 0 && S_ISSOCK(is.st_mode)) refuse(path, ENXIO);
+    return;
   }
+  const std::filesystem::path tried = Beside(BehindLinks(path));
+  const bool there = ::lstat(tried.c_str(), &is) == 0;
+  const Descriptor file(::open(tried.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0644));
+  if (file.get() < 0) refuse(there ? tried : path, errno);
   if (!there) ::unlink(tried.c_str());
 }
 

@@ -73,9 +73,10 @@ cv::Mat Square(double width_px, double yaw_deg) {
   return square;
 }
 
-/// Centre of a cube that cloth leaves only a part of; see LocateCube.
-cv::Point2d CentreOfCovered(const CubeBlob& blob, const ColorMasks& masks, const View& view,
-                            double width_px) {
+/// Centre of a cube that cloth leaves only a part of; see LocateCube. None if there is not cloth
+/// enough to hide the rest: every square then holds more canvas than cube.
+std::optional<cv::Point2d> CentreOfCovered(const CubeBlob& blob, const ColorMasks& masks,
+                                           const View& view, double width_px) {
   const int margin = static_cast<int>(std::ceil(width_px * 1.5));
   cv::Rect box = cv::boundingRect(blob.contour);
   box -= cv::Point(margin, margin);
@@ -108,6 +109,7 @@ cv::Point2d CentreOfCovered(const CubeBlob& blob, const ColorMasks& masks, const
       }
     }
   }
+  if (best <= 0) return std::nullopt;
   const int reach = static_cast<int>(std::ceil(width_px / std::numbers::sqrt2));
   cv::Point2d sum(0, 0);
   int count = 0;
@@ -210,8 +212,9 @@ CubeSeen LocateCube(const CubeBlob& blob, const ColorMasks& masks, const View& v
     cube.p_W = OntoLevel(view, cube.px, centre_m);
   }
   if (blob.covered) {
-    const cv::Point2d centre = CentreOfCovered(blob, masks, view, CubeWidth(view, config));
-    cube.p_W = OntoLevel(view, centre, top_m - config.cube_side_m / 2);
+    if (const auto centre = CentreOfCovered(blob, masks, view, CubeWidth(view, config))) {
+      cube.p_W = OntoLevel(view, *centre, top_m - config.cube_side_m / 2);
+    }
   }
   cube.centre_px = view.camera.Project(cube.p_W);
   cube.in_roi = view.roi.contains(cv::Point(cvRound(cube.centre_px.x), cvRound(cube.centre_px.y)));

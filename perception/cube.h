@@ -22,7 +22,8 @@ struct CubeBlob {
 double CubeWidth(const View& view, const PerceptionConfig& config);
 
 /// Finds the cube: the largest compact red body anywhere in the frame (at most 2.5 times as long as
-/// wide, at least 0.6 of its rectangle filled), or what cloth leaves of one: no longer than a cube.
+/// wide, at least 0.6 of its rectangle filled), or what cloth leaves of one: no longer than its
+/// diagonal.
 std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
                                  const PerceptionConfig& config);
 

@@ -44,7 +44,7 @@ struct Width {
 
 /// The cube as seen.
 struct CubeSeen {
-  cv::Point2d px;  ///< Centroid of its top face, or of all red pixels if there is no depth.
+  cv::Point2d px;  ///< Centroid of what shows of its top face, or of all red pixels without depth.
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  ///< Centre of the cube, m, cloth over it or not.
   cv::Point2d centre_px;                          ///< Where the camera has that.
   double yaw_rad = 0;                             ///< Of an edge about world z, in [-pi/4, pi/4).

@@ -11,6 +11,10 @@
 namespace gusset {
 namespace {
 
+// The overhead camera's.
+constexpr int kWidth_px = 640;
+constexpr int kHeight_px = 480;
+
 std::string Text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
@@ -55,8 +59,9 @@ void CheckMesh(const ConfigTree& tree, const BagConfig& bag) {
 void CheckCube(const ConfigTree& tree, const SimConfig& config) {
   const CameraConfig& camera = config.camera;
   const std::vector<double>& wait = config.world.cube_wait_m;
-  const double half_x_px = std::min(camera.cx, 640 - camera.cx);
-  const double half_y_px = std::min(camera.cy, 480 - camera.cy);
+  // The camera's rows run against y.
+  const double half_x_px = wait[0] > 0 ? kWidth_px - camera.cx : camera.cx;
+  const double half_y_px = wait[1] > 0 ? camera.cy : kHeight_px - camera.cy;
   const double most_x = half_x_px / camera.fx * camera.height_m - config.world.cube_side_m;
   const double most_y = half_y_px / camera.fy * camera.height_m - config.world.cube_side_m;
   const double margin = 0.5 * (config.world.cube_side_m + config.bag.opening_m);
@@ -181,9 +186,9 @@ class SimScene::Slot : public ArmEnvironment {
 
 SimScene::SimScene(const SimConfig& config)
     : config_(config),
-      camera_(OverheadCamera(
-          {config.camera.fx, config.camera.fy, config.camera.cx, config.camera.cy, 640, 480},
-          config.camera.height_m)),
+      camera_(OverheadCamera({config.camera.fx, config.camera.fy, config.camera.cx,
+                              config.camera.cy, kWidth_px, kHeight_px},
+                             config.camera.height_m)),
       arm_(ArmModel::Load(config.robot, AssetsFolder())),
       look_(NominalLook()),
       labels_(MakeLabels(config.bag)),

@@ -10,8 +10,8 @@ namespace gusset {
 /// World and arm between two actions, as bytes: exact, for this machine's kind.
 std::string PackSnapshot(const WorldState& world, const SimRobotState& robot);
 
-/// @throws InputError if the bytes are not a snapshot, are cut short, or hold a number that is not
-/// finite.
+/// @throws InputError if the bytes are not a snapshot, are cut short, have changed, or hold a
+/// number that is not finite.
 void UnpackSnapshot(const std::string& bytes, WorldState& world, SimRobotState& robot);
 
 }  // namespace gusset

@@ -45,23 +45,35 @@ constexpr int kMostXmlDepth = 100;
 constexpr std::size_t kMostLinks = 1000;
 
 void RefuseDeepXml(const std::filesystem::path& urdf, const std::string& xml) {
+  constexpr std::size_t kEnd = std::string::npos;
   int depth = 0;
-  for (std::size_t i = 0; (i = xml.find_first_of("</", i)) != std::string::npos; ++i) {
+  for (std::size_t i = 0; (i = xml.find('<', i)) != kEnd;) {
     const std::string_view rest = std::string_view(xml).substr(i);
-    if (rest.starts_with("<!--")) {
-      i = std::min(xml.find("-->", i), xml.size() - 1);
-    } else if (rest.starts_with("</") || rest.starts_with("/>")) {
-      --depth;
-      ++i;
-    } else if (rest[0] == '<' && !rest.starts_with("<!") && !rest.starts_with("<?")) {
+    if (rest.starts_with("<!--") || rest.starts_with("<![CDATA[")) {
+      i = xml.find(rest[2] == '-' ? "-->" : "]]>", i);
+      if (i == kEnd) return;
+      continue;
+    }
+    // To the tag's end, which is not one within quotes.
+    std::size_t end = i + 1;
+    while ((end = xml.find_first_of("\"'>", end)) != kEnd && xml[end] != '>') {
+      end = xml.find(xml[end], end + 1);
+      if (end == kEnd) return;
+      ++end;
+    }
+    if (end == kEnd) return;
+    if (rest.starts_with("</")) {
+      depth = std::max(0, depth - 1);
+    } else if (rest[1] != '!' && rest[1] != '?' && xml[end - 1] != '/') {
       ++depth;
     }
-    if (depth <= kMostXmlDepth) continue;
-    throw InputError(
-        urdf.string() + ":" +
-        std::to_string(
-            1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(i), '\n')) +
-        ": is nested deeper than " + std::to_string(kMostXmlDepth) + " levels");
+    if (depth > kMostXmlDepth) {
+      const auto lines =
+          std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(i), '\n');
+      throw InputError(urdf.string() + ":" + std::to_string(lines + 1) +
+                       ": is nested deeper than " + std::to_string(kMostXmlDepth) + " levels");
+    }
+    i = end;
   }
 }
 

@@ -1,8 +1,11 @@
 #include "base/files.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -108,6 +111,32 @@ TEST_F(Files, ALinkStaysALinkAndADeviceADevice) {
   WriteFileAtomic(null, "x");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   EXPECT_THROW(WriteFileAtomic("/dev/full", "x"), RunError);
+}
+
+// "--out /dev/stdout >> log": the log is not replaced, and the pipe's reader not told of an end.
+TEST_F(Files, AStreamOfOursAndAPipeAreWrittenThrough) {
+  WriteFileAtomic(dir_ / "log", "before\n");
+  const int saved = ::dup(STDOUT_FILENO);
+  const int log = ::open((dir_ / "log").c_str(), O_WRONLY | O_APPEND);
+  ::dup2(log, STDOUT_FILENO);
+  CheckWritable("/dev/stdout");
+  WriteFileAtomic("/dev/stdout", "between\n");
+  [[maybe_unused]] const ssize_t n = ::write(STDOUT_FILENO, "after\n", 6);
+  ::dup2(saved, STDOUT_FILENO);
+  ::close(saved);
+  ::close(log);
+  EXPECT_EQ(ReadFile(dir_ / "log"), "before\nbetween\nafter\n");
+
+  const fs::path pipe = dir_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  CheckWritable(pipe);
+  WriteFileAtomic(pipe, "x");
+  char c = 0;
+  EXPECT_EQ(::read(reader, &c, 1), 1);
+  EXPECT_EQ(c, 'x');
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  ::close(reader);
 }
 
 TEST_F(Files, WhatCannotBeLookedAtIsNotThere) {

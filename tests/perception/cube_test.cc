@@ -115,6 +115,19 @@ TEST(Cube, UnderAnEdgeOfClothItsCentreIsWhereItsHiddenPartIs) {
   }
 }
 
+// Nothing could hide the rest of a cube there: its centre is that of what shows, but for the
+// parallax of half a cube's height, 0.017 of 40 px.
+TEST(Cube, ASmallRedThingBesideALittleClothIsWhereItIsSeen) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  synthetic::FillBox(frame.color, {{320, 200}}, {-5, -5, 10, 10}, synthetic::kCube);
+  synthetic::FillBox(frame.color, {{328, 200}}, {-3, -6, 6, 12}, synthetic::kCloth);
+  EXPECT_TRUE(Find(frame)->covered);
+  const CubeSeen cube = Locate(frame);
+  EXPECT_TRUE(cube.p_W.allFinite());
+  EXPECT_NEAR(cube.centre_px.x, cube.px.x, 1);
+  EXPECT_NEAR(cube.centre_px.y, cube.px.y, 1);
+}
+
 // A whole cube that only touches the bag is measured as one that stands alone.
 TEST(Cube, BesideABagItIsNotCovered) {
   RgbdFrame frame = synthetic::EmptyTable();

@@ -145,7 +145,7 @@ TEST_F(RobotFiles, ErrorsAreOneLineNamingFileAndElement) {
        {"link 'tip'", "radius"}},
   };
   std::string deep, chain, comments = "<!--";
-  for (int i = 0; i < 200; ++i) comments += " <a> ";
+  for (int i = 0; i < 200; ++i) comments += " <a> << /> ";
   EXPECT_EQ(
       LoadError(Replaced(kTwoJoints, "<link name=\"tip\"/>", comments + "--><link name=\"tip\"/>")),
       LoadError(kTwoJoints));
@@ -155,6 +155,8 @@ TEST_F(RobotFiles, ErrorsAreOneLineNamingFileAndElement) {
     chain += "<joint name=\"j" + std::to_string(i) + "\" type=\"fixed\"><parent link=\"l" +
              std::to_string(i - 1) + "\"/><child link=\"l" + std::to_string(i) + "\"/></joint>";
   }
+  EXPECT_THAT(LoadError("<robot name='r'>\n" + comments + "-->" + deep),
+              HasSubstr("r.urdf:2: is nested deeper"));
   EXPECT_THAT(LoadError("<robot name='r'>\n" + deep), HasSubstr("r.urdf:2: is nested deeper"));
   EXPECT_THAT(LoadError("<robot name='r'>" + chain + "</robot>"), HasSubstr("has 2000 links"));
   for (const Case& c : cases) {

@@ -239,9 +239,10 @@ TEST_F(Cli, ValuesThatFindNothingOrWrapAreRefused) {
 TEST_F(Cli, WhatCannotBePrintedIsAFailure) {
   const fs::path file = dir_ / "a.png";
   cv::imwrite(file.string(), cv::Mat::zeros(480, 640, CV_8UC3));
-  for (const char* json : {"", "--json "}) {
-    const std::string command = std::string(GUSSET_BINARY) + " classify " + json + file.string() +
-                                " >/dev/full 2>" + (dir_ / "err").string();
+  for (const std::string& arguments :
+       {"classify " + file.string(), "classify --json " + file.string(), std::string("--help")}) {
+    const std::string command =
+        std::string(GUSSET_BINARY) + " " + arguments + " >/dev/full 2>" + (dir_ / "err").string();
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     EXPECT_EQ(Slurp(dir_ / "err"), "gusset: cannot write to standard output\n");
   }

@@ -44,8 +44,9 @@ int RunCommandLine(int argc, char** argv) {
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-      if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-      return Complain(std::string(e.what()) + " (see --help)", 2);
+      if (e.get_exit_code() != 0) return Complain(std::string(e.what()) + " (see --help)", 2);
+      app.exit(e);  // --help, --version
+      commands.clear();
     }
     for (const auto& command : commands) {
       if (app.got_subcommand(command->name())) command->Run();

@@ -81,8 +81,9 @@ class EvaluateCommand final : public Command {
     CheckWritable(out_);
     const std::filesystem::path policy = policy_;
     const std::filesystem::path run = IsFolder(policy) ? policy : policy.parent_path();
-    for (const std::filesystem::path& own : {policy, run / "policy.json", run / "config.toml",
-                                             run / "run.json", run / "steps.jsonl"}) {
+    for (const std::filesystem::path& own :
+         {policy, run / "policy.json", run / "config.toml", run / "run.json", run / "steps.jsonl",
+          run / "progress.csv", run / "failed_step.json", run / "checkpoint" / "state.json"}) {
       std::error_code none;
       if (policy_ != "random" && std::filesystem::equivalent(own, out_, none)) {
         throw InputError("--out: " + out_ + " is a file of --policy");

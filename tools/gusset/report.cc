@@ -28,9 +28,12 @@ class ReportCommand final : public Command {
 
   void Run() override {
     common_.StartLog();
-    const std::string suffix = std::filesystem::path(out_).extension().string();
-    if (suffix != ".html" && suffix != ".htm") {
-      throw InputError("--out: " + out_ + " does not end in .html");
+    // A slip of the hand would put the page in the place of what it shows.
+    std::error_code none;
+    const std::string suffix =
+        CLI::detail::to_lower(std::filesystem::path(out_).extension().string());
+    if (std::filesystem::is_regular_file(out_, none) && suffix != ".html" && suffix != ".htm") {
+      throw InputError("--out: " + out_ + " is there already and does not end in .html");
     }
     CheckWritable(out_);
     // A report depends on no setting; mistakes in those given are told all the same.
