@@ -48,10 +48,9 @@ cv::Scalar Heat(double t) {
   return {255 * cold, 255 * std::min(cold, warm), 255 * warm};
 }
 
-// Far beyond what any state, action or line has.
-// Areas of a frame over A_bmax or A_omax, which may be 1.
-constexpr double kMostReward = 1e6;
 constexpr int kLastState = 5;
+constexpr double kMostReward = 1e6;  // a frame's area over A_bmax or A_omax, which may be 1
+// Far beyond what any state or action has.
 constexpr int kMostPoints = 1000;
 constexpr double kMostSeconds = 1e6;
 

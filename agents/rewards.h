@@ -8,10 +8,9 @@ namespace gusset {
 /// action taken in before.state earned, from what the camera saw before and after it.
 ///
 ///   s0: A_bag / A_bmax.  s1: A_o / A_omax.
-///   s2: max(0, 1 - d/r) if s3 follows, else 0; d: distance (px) of what shows of the cube after it
-///   from
-///       the opening's centre before it, r = sqrt(A_o / pi) before it. A cube that has sunk out of
-///       sight is where it was released.
+///   s2: max(0, 1 - d/r) if s3 follows, else 0; d: distance (px) of what shows of the cube after
+///       the action from the opening's centre before it, r = sqrt(A_o / pi) before it. A cube that
+///       has sunk out of sight is where it was released.
 ///   s3: +1 if s4 follows, else -0.1.
 ///
 /// @param placed_px where the cube was released; used in s2 only.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/fnv1a.h"
+
 namespace gusset {
 namespace {
 
@@ -17,9 +19,7 @@ std::uint64_t Mix(std::uint64_t z) {
 }  // namespace
 
 std::uint64_t DeriveSeed(std::uint64_t run_seed, std::string_view purpose, std::uint64_t index) {
-  std::uint64_t h = 0xcbf29ce484222325ull;  // FNV-1a
-  for (const char c : purpose) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return Mix(Mix(Mix(run_seed) ^ h) ^ Mix(index));
+  return Mix(Mix(Mix(run_seed) ^ Fnv1a(purpose)) ^ Mix(index));
 }
 
 int Rng::Below(int n) {

@@ -7,18 +7,12 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/fnv1a.h"
 
 namespace gusset {
 namespace {
 
 constexpr std::string_view kMagic = "gusset snapshot 2\n";
-
-// FNV-1a, at the end: any bit that changed is found.
-std::uint64_t Checksum(std::string_view bytes) {
-  std::uint64_t h = 0xcbf29ce484222325ull;
-  for (const char c : bytes) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return h;
-}
 
 class Writer {
  public:
@@ -137,7 +131,7 @@ void Visit(Stream& s, World& world, Robot& robot) {
 std::string PackSnapshot(const WorldState& world, const SimRobotState& robot) {
   Writer writer;
   Visit(writer, world, robot);
-  writer.Value(Checksum(writer.bytes));
+  writer.Value(Fnv1a(writer.bytes));  // any bit that changes is found
   return std::move(writer.bytes);
 }
 
@@ -147,7 +141,7 @@ void UnpackSnapshot(const std::string& bytes, WorldState& world, SimRobotState& 
   std::memcpy(&sum, bytes.data() + end, bytes.size() - end);
   const std::string_view content(bytes.data(), end);
   Reader reader(content);
-  if (Checksum(content) != sum) throw InputError("snapshot is damaged");
+  if (Fnv1a(content) != sum) throw InputError("snapshot is damaged");
   Visit(reader, world, robot);
   reader.End();
 }

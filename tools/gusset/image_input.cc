@@ -7,6 +7,7 @@
 #include "base/error.h"
 
 namespace gusset {
+
 RgbdFrame ReadFrame(const std::filesystem::path& color, const std::filesystem::path& depth) {
   RgbdFrame frame;
   frame.color = ReadImage(color, cv::IMREAD_COLOR);
