@@ -299,6 +299,7 @@ RgbdFrame SimScene::Look(const CameraModel& camera) {
     RenderItem item;
     item.mesh = &block.mesh;
     item.X_WM = block.X_WM;
+    item.still = true;
     item.rgb = block.rgb;
     view.items.push_back(item);
   }

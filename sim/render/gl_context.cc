@@ -27,6 +27,7 @@ void FetchAll(GlFunctions& gl) {
   GUSSET_GL(GetString);
   GUSSET_GL(PixelStorei);
   GUSSET_GL(ReadPixels);
+  GUSSET_GL(Scissor);
   GUSSET_GL(TexImage2D);
   GUSSET_GL(TexParameteri);
   GUSSET_GL(TexSubImage2D);

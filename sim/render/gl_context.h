@@ -22,6 +22,7 @@ struct GlFunctions {
   decltype(&glGetString) GetString;
   decltype(&glPixelStorei) PixelStorei;
   decltype(&glReadPixels) ReadPixels;
+  decltype(&glScissor) Scissor;
   decltype(&glTexImage2D) TexImage2D;
   decltype(&glTexParameteri) TexParameteri;
   decltype(&glTexSubImage2D) TexSubImage2D;

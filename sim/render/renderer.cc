@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "sim/render/backdrop.h"
+#include "sim/render/bounds.h"
 #include "sim/render/cloth_surface.h"
 #include "sim/render/cloth_texture.h"
 #include "sim/render/gl_context.h"
@@ -27,6 +29,7 @@ constexpr double kNear_m = 0.05, kFar_m = 12;
 constexpr int kGroundPixels = 256;
 constexpr double kGroundHalf_m = 0.48, kHeightRange_m = 1.5, kCaster_m = 0.05;
 constexpr double kBlurTexels = 2.0;
+constexpr int kBlurWindow = 9;
 
 constexpr float kFlat_m = 0.001f;  // what reaches no higher is the table
 
@@ -48,11 +51,6 @@ class Current {
   GlContext& context_;
 };
 
-/// Axis-aligned box.
-struct Bounds {
-  Eigen::Vector3f lo = Eigen::Vector3f::Constant(0), hi = lo;
-};
-
 struct MeshOnCard {
   TriMesh source;  // what was uploaded
   Bounds bounds;
@@ -69,6 +67,8 @@ struct ClothOnCard {
   Eigen::Vector2f extent_m;
   bool textured = false;
 };
+
+bool Stands(const Corners& box) { return box.row(2).maxCoeff() > kFlat_m; }
 
 /// Pixel centres: OpenCV's lie at integers, OpenGL's at halves. Image row 0 is drawn at OpenGL's
 /// bottom, so what is read back needs no flip; windings turn over instead.
@@ -106,27 +106,6 @@ Eigen::Matrix4f GroundFromWorld(const Eigen::Vector2d& shear) {
   return clip.cast<float>();
 }
 
-Bounds BoundsInWorld(const Bounds& local, const Eigen::Isometry3f& X_WM) {
-  const Eigen::Vector3f centre = X_WM * Eigen::Vector3f((local.lo + local.hi) / 2);
-  const Eigen::Vector3f half = X_WM.linear().cwiseAbs() * ((local.hi - local.lo) / 2);
-  return {centre - half, centre + half};
-}
-
-/// False only if the whole box is beyond one of the view's sides.
-bool MayBeSeen(const Bounds& box, const Eigen::Matrix4f& clip_from_world) {
-  std::array<int, 6> beyond{};
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector4f corner(i & 1 ? box.hi.x() : box.lo.x(), i & 2 ? box.hi.y() : box.lo.y(),
-                                 i & 4 ? box.hi.z() : box.lo.z(), 1);
-    const Eigen::Vector4f clip = clip_from_world * corner;
-    for (int axis = 0; axis < 3; ++axis) {
-      beyond[2 * axis] += clip[axis] > clip.w();
-      beyond[2 * axis + 1] += clip[axis] < -clip.w();
-    }
-  }
-  return std::ranges::find(beyond, 8) == beyond.end();
-}
-
 }  // namespace
 
 struct Renderer::Impl {
@@ -149,12 +128,29 @@ struct Renderer::Impl {
   const MeshOnCard& Mesh(const TriMesh& mesh);
   void UpdateCloth(const ClothItem& item);
   void UpdateClothTexture(const ClothItem& item);
+  /// Of the box around an item, world.
+  Corners CornersOf(const RenderItem& item) {
+    return item.X_WM.cast<float>() * Mesh(*item.mesh).bounds.corners();
+  }
+  /// Of that around the cloth as drawn, both sides.
+  Corners ClothCorners() const {
+    Bounds bounds = Bounds::Of(cloth.surface->positions());
+    bounds.lo.array() -= cloth.surface->half_thickness_m();
+    bounds.hi.array() += cloth.surface->half_thickness_m();
+    return bounds.corners();
+  }
+  std::vector<cv::Rect> ChangedParts(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
+                                     const Eigen::Vector2d& shear);
+  RgbdFrame Draw(const SceneView& scene, const CameraModel& camera, bool over_backdrop);
   void DrawGroundMap(const SceneView& scene, const Eigen::Vector2d& shear);
   void SetLight(const LightConfig& light, const Eigen::Vector2d& shear);
-  void DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world, bool standing);
+  void DrawPart(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
+                const Eigen::Vector2d& shear, const cv::Rect& part);
+  void DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
+                 const cv::Rect& part, bool standing);
   void DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
   void SortCloth(const Eigen::Matrix4f& clip_from_world);
-  RgbdFrame ReadBack();
+  void ReadBack(const cv::Rect& part, RgbdFrame& frame);
 
   GlContext context;
   const GlFunctions& gl;
@@ -168,6 +164,7 @@ struct Renderer::Impl {
   cv::Mat mottle;  // CV_32FC1, the ground map's second channel
   std::uint64_t mottle_seed = 0;
   std::vector<std::array<unsigned, 3>> sorted;
+  Backdrop backdrop;
   cv::Mat heights, ground, rgba, depth;  // kept from frame to frame to save allocations
 };
 
@@ -270,8 +267,6 @@ void Renderer::Impl::Resize(int new_width, int new_height) {
   }
   width = new_width;
   height_px = new_height;
-  rgba.create(height_px, width, CV_8UC4);
-  depth.create(height_px, width, CV_32FC1);
 }
 
 const MeshOnCard& Renderer::Impl::Mesh(const TriMesh& mesh) {
@@ -293,11 +288,7 @@ const MeshOnCard& Renderer::Impl::Mesh(const TriMesh& mesh) {
   }
   MeshOnCard& entry = meshes[&mesh];
   entry.source = mesh;
-  if (!mesh.vertices.empty()) entry.bounds = {mesh.vertices[0], mesh.vertices[0]};
-  for (const Eigen::Vector3f& v : mesh.vertices) {
-    entry.bounds.lo = entry.bounds.lo.cwiseMin(v);
-    entry.bounds.hi = entry.bounds.hi.cwiseMax(v);
-  }
+  entry.bounds = Bounds::Of(mesh.vertices);
   const ShadedMesh shaded = WithNormals(mesh, kCrease_deg);
   entry.index_count = static_cast<GLsizei>(3 * shaded.triangles.size());
   gl.GenVertexArrays(1, &entry.vertex_array);
@@ -381,12 +372,11 @@ void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d
   Use(height_program);
   Set("clip_from_world", clip_from_world);
   for (const RenderItem& item : scene.items) {
-    const MeshOnCard& mesh = Mesh(*item.mesh);
-    const Eigen::Isometry3f X_WM = item.X_WM.cast<float>();
-    const Bounds bounds = BoundsInWorld(mesh.bounds, X_WM);
+    const Corners box = CornersOf(item);
     // What reaches no higher than the table casts no shadow on it.
-    if (bounds.hi.z() <= kFlat_m || !MayBeSeen(bounds, clip_from_world)) continue;
-    Set("X_WM", X_WM.matrix());
+    if (!Stands(box) || !MayBeSeen(box, clip_from_world)) continue;
+    const MeshOnCard& mesh = Mesh(*item.mesh);
+    Set("X_WM", item.X_WM.matrix().cast<float>().eval());
     gl.BindVertexArray(mesh.vertex_array);
     gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   }
@@ -404,7 +394,8 @@ void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d
     value =
         std::min((1 - value) * static_cast<float>(kHeightRange_m), static_cast<float>(kCaster_m));
   }
-  cv::GaussianBlur(heights, heights, {9, 9}, kBlurTexels, kBlurTexels, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(heights, heights, {kBlurWindow, kBlurWindow}, kBlurTexels, kBlurTexels,
+                   cv::BORDER_REPLICATE);
   if (mottle.empty() || mottle_seed != scene.canvas_seed) {
     mottle = FabricTexture(kGroundPixels, static_cast<float>(2 * kGroundHalf_m), scene.canvas_seed);
     mottle_seed = scene.canvas_seed;
@@ -430,15 +421,15 @@ void Renderer::Impl::SetLight(const LightConfig& light, const Eigen::Vector2d& s
 
 // Either what stands up from the table or the table itself and what lies no higher.
 void Renderer::Impl::DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
-                               bool standing) {
+                               const cv::Rect& part, bool standing) {
   gl.FrontFace(GL_CW);
   Set("clip_from_world", clip_from_world);
   for (const RenderItem& item : scene.items) {
+    const Corners box = CornersOf(item);
+    if (Stands(box) != standing) continue;
+    if ((PixelsOf(box, clip_from_world, {width, height_px}) & part).empty()) continue;
     const MeshOnCard& mesh = Mesh(*item.mesh);
-    const Eigen::Isometry3f X_WM = item.X_WM.cast<float>();
-    const Bounds bounds = BoundsInWorld(mesh.bounds, X_WM);
-    if ((bounds.hi.z() > kFlat_m) != standing || !MayBeSeen(bounds, clip_from_world)) continue;
-    Set("X_WM", X_WM.matrix());
+    Set("X_WM", item.X_WM.matrix().cast<float>().eval());
     Set("rgb", Eigen::Vector3f(item.rgb.cwiseProduct(ColourOf(scene.light))));
     Set("darkest", std::min(1 - item.contrast, static_cast<float>(1 - scene.light.contrast)));
     Set("mottle", item.mottle);
@@ -494,28 +485,90 @@ void Renderer::Impl::DrawCloth(const SceneView& scene, const Eigen::Matrix4f& cl
   }
 }
 
-RgbdFrame Renderer::Impl::ReadBack() {
-  gl.ReadPixels(0, 0, width, height_px, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
-  gl.ReadPixels(0, 0, width, height_px, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data);
-  RgbdFrame frame;
-  cv::cvtColor(rgba, frame.color, cv::COLOR_RGBA2BGR);
+// What has been drawn of a part, into the frame.
+void Renderer::Impl::ReadBack(const cv::Rect& part, RgbdFrame& frame) {
+  rgba.create(part.size(), CV_8UC4);
+  depth.create(part.size(), CV_32FC1);
+  gl.ReadPixels(part.x, part.y, part.width, part.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
+  gl.ReadPixels(part.x, part.y, part.width, part.height, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data);
+  cv::cvtColor(rgba, frame.color(part), cv::COLOR_RGBA2BGR);
   // 1/z is linear in the depth buffer's d; halves are added so that cutting to integer rounds.
   constexpr auto kInverseNear = static_cast<float>(1 / (1000 * kNear_m));
   constexpr auto kSlope = static_cast<float>(1 / (1000 * kNear_m) - 1 / (1000 * kFar_m));
-  frame.depth_mm.create(height_px, width, CV_16UC1);
-  std::vector<float> z(static_cast<std::size_t>(width));
-  for (int row = 0; row < height_px; ++row) {
+  std::vector<float> z(static_cast<std::size_t>(part.width));
+  for (int row = 0; row < part.height; ++row) {
     const float* d = depth.ptr<float>(row);
-    auto* mm = frame.depth_mm.ptr<std::uint16_t>(row);
+    auto* mm = frame.depth_mm.ptr<std::uint16_t>(part.y + row) + part.x;
     // In two loops, which the compiler makes vectors of; in one it does not.
-    for (int column = 0; column < width; ++column) {
+    for (int column = 0; column < part.width; ++column) {
       const float rounded = 1 / (kInverseNear - kSlope * d[column]) + 0.5f;
       z[column] = d[column] < 1 ? rounded : 0.0f;
     }
-    for (int column = 0; column < width; ++column) {
+    for (int column = 0; column < part.width; ++column) {
       mm[column] = static_cast<std::uint16_t>(static_cast<int>(z[column]));
     }
   }
+}
+
+void Renderer::Impl::DrawPart(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
+                              const Eigen::Vector2d& shear, const cv::Rect& part) {
+  gl.Scissor(part.x, part.y, part.width, part.height);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  // Nearest first as a rule, so that what they hide is not shaded.
+  Use(rigid_program);
+  SetLight(scene.light, shear);
+  DrawItems(scene, clip_from_world, part, /*standing=*/true);
+  if (!scene.cloth.x.empty() &&
+      !(PixelsOf(ClothCorners(), clip_from_world, {width, height_px}) & part).empty()) {
+    Use(cloth_program);
+    SetLight(scene.light, shear);
+    DrawCloth(scene, clip_from_world);
+    Use(rigid_program);
+  }
+  DrawItems(scene, clip_from_world, part, /*standing=*/false);
+}
+
+// Where the scene looks other than the backdrop.
+std::vector<cv::Rect> Renderer::Impl::ChangedParts(const SceneView& scene,
+                                                   const Eigen::Matrix4f& clip_from_world,
+                                                   const Eigen::Vector2d& shear) {
+  std::vector<Corners> moving, still;
+  for (const RenderItem& item : scene.items) {
+    (item.still ? still : moving).push_back(CornersOf(item));
+  }
+  if (!scene.cloth.x.empty()) moving.push_back(ClothCorners());
+  // The blur's window reaches four texels, and each look-up to the next one.
+  constexpr double kTexel_m = 2 * kGroundHalf_m / kGroundPixels;
+  constexpr auto kReach_m = static_cast<float>((kBlurWindow / 2 + 2) * kTexel_m);
+  return backdrop.ChangedParts(moving, still, clip_from_world, shear.cast<float>(), kReach_m,
+                               static_cast<float>(kGroundHalf_m - kReach_m));
+}
+
+RgbdFrame Renderer::Impl::Draw(const SceneView& scene, const CameraModel& camera,
+                               bool over_backdrop) {
+  const Eigen::Vector3d light = TowardsLight(scene.light);
+  const Eigen::Vector2d shear = light.head<2>() / light.z();
+  DrawGroundMap(scene, shear);
+
+  const Eigen::Matrix4f clip_from_world = ClipFromWorld(camera);
+  RgbdFrame frame;
+  std::vector<cv::Rect> parts;
+  if (over_backdrop) {
+    frame = {backdrop.frame().color.clone(), backdrop.frame().depth_mm.clone()};
+    parts = ChangedParts(scene, clip_from_world, shear);
+  } else {
+    frame.color.create(height_px, width, CV_8UC3);
+    frame.depth_mm.create(height_px, width, CV_16UC1);
+    parts = {cv::Rect(0, 0, width, height_px)};
+  }
+  gl.BindFramebuffer(GL_FRAMEBUFFER, frame_buffer);
+  gl.Viewport(0, 0, width, height_px);
+  gl.Enable(GL_SCISSOR_TEST);
+  for (const cv::Rect& part : parts) {
+    DrawPart(scene, clip_from_world, shear, part);
+    ReadBack(part, frame);
+  }
+  gl.Disable(GL_SCISSOR_TEST);
   return frame;
 }
 
@@ -533,32 +586,21 @@ RgbdFrame Renderer::Render(const SceneView& scene, const CameraModel& camera) {
     if (!item.X_WM.matrix().allFinite()) throw InputError("scene to draw: a pose is not finite");
   }
   Impl& impl = *impl_;
-  const GlFunctions& gl = impl.gl;
   const Current current(impl.context);
   impl.Resize(camera.pinhole.width, camera.pinhole.height);
-  const bool has_cloth = !scene.cloth.x.empty();
-  if (has_cloth) impl.UpdateCloth(scene.cloth);
+  if (!scene.cloth.x.empty()) impl.UpdateCloth(scene.cloth);
 
-  const Eigen::Vector3d light = TowardsLight(scene.light);
-  const Eigen::Vector2d shear = light.head<2>() / light.z();
-  impl.DrawGroundMap(scene, shear);
-
-  const Eigen::Matrix4f clip_from_world = ClipFromWorld(camera);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, impl.frame_buffer);
-  gl.Viewport(0, 0, impl.width, impl.height_px);
-  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  // Nearest first as a rule, so that what they hide is not shaded.
-  impl.Use(impl.rigid_program);
-  impl.SetLight(scene.light, shear);
-  impl.DrawItems(scene, clip_from_world, /*standing=*/true);
-  if (has_cloth) {
-    impl.Use(impl.cloth_program);
-    impl.SetLight(scene.light, shear);
-    impl.DrawCloth(scene, clip_from_world);
+  SceneView still;
+  for (const RenderItem& item : scene.items) {
+    if (item.still) still.items.push_back(item);
   }
-  impl.Use(impl.rigid_program);
-  impl.DrawItems(scene, clip_from_world, /*standing=*/false);
-  return impl.ReadBack();
+  still.light = scene.light;
+  still.canvas_seed = scene.canvas_seed;
+  const bool over_backdrop = impl.backdrop.IsWorthIt(still, camera);
+  if (over_backdrop && !impl.backdrop.kept()) {
+    impl.backdrop.Keep(impl.Draw(still, camera, false));
+  }
+  return impl.Draw(scene, camera, over_backdrop);
 }
 
 CameraModel LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,

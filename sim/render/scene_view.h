@@ -18,6 +18,8 @@ struct RenderItem {
   Eigen::Vector3f rgb = {0.5f, 0.5f, 0.5f};
   float mottle = 0;    ///< Strength 0..1 of a fabric-like texture fixed to the world's x and y.
   float contrast = 0;  ///< Of the light on it, if more than the light's own.
+  /// Stays where it is from frame to frame. Only a hint: pictures are the same without, but slower.
+  bool still = false;
 };
 
 /// A printed patch on one layer, seen from both sides. Cloth coordinates, metres.
@@ -62,6 +64,7 @@ struct LightConfig {
     v("red", red, {0.5, 2});
     v("blue", blue, {0.5, 2});
   }
+  bool operator==(const LightConfig&) const = default;
 };
 
 /// The canvas's folds as figure 5.2's states are compared with.

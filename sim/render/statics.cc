@@ -35,6 +35,7 @@ Statics::Statics() {
     item.X_WM.translation() = block.centre;
     item.rgb = block.rgb;
     item.mottle = block.mottle;
+    item.still = true;
     items_.push_back(item);
   }
 }

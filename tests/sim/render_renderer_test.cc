@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
+#include "sim/render/bounds.h"
 #include "sim/render/renderer.h"
 #include "sim/render/statics.h"
 #include "tests/sim/render_bag.h"
@@ -127,6 +128,69 @@ TEST_F(RenderedScene, FramesDoNotDependOnWhatWasDrawnBefore) {
   (void)renderer_.Render({}, LookAt({1, 1, 1}, {0, 0, 0}, {.width = 320, .height = 200}));
   EXPECT_TRUE(Same(first, renderer_.Render(view_, Overhead())));
   EXPECT_TRUE(Same(first, Renderer().Render(view_, Overhead())));
+}
+
+// From the third frame on of what stands still, only parts are drawn.
+TEST_F(RenderedScene, OverABackdropFramesAreTheSame) {
+  const CameraModel cameras[] = {Overhead(), LookAt({0.9, 0.8, 0.7}, {0, 0, 0.1}, {})};
+  const TriMesh arm = BoxMesh({0.1, 0.5, 0.08});
+  view_.cloth = CrumpledBag();
+  view_.items.push_back(At(arm, {0.1, 0, 0.4}, {0.8f, 0.5f, 0.2f}));
+  RenderItem& cube = view_.items[view_.items.size() - 2];
+  int others = 0;
+  for (const double elevation_deg : {62.0, 25.0}) {
+    view_.light.elevation_deg = elevation_deg;
+    for (const CameraModel& camera : cameras) {
+      renderer_.Render(view_, camera);
+      renderer_.Render(view_, camera);
+      RgbdFrame last;
+      for (const Eigen::Vector3d& at :
+           {Eigen::Vector3d(0.42, 0, 0.0175), Eigen::Vector3d(-0.1, 0.1, 0.2),
+            Eigen::Vector3d(0.05, -0.30, 0.05), Eigen::Vector3d(0.0, -0.40, 0.43),
+            Eigen::Vector3d(0.47, 0.36, 0.1), Eigen::Vector3d(-0.6, -0.5, 0.3),
+            Eigen::Vector3d(0.0, 0.02, 0.95)}) {
+        cube.X_WM.translation() = at;
+        const RgbdFrame frame = renderer_.Render(view_, camera);
+        EXPECT_TRUE(Same(frame, Renderer().Render(view_, camera)))
+            << "cube at " << at.transpose() << ", light at " << elevation_deg;
+        others += !last.color.empty() && !Same(frame, last);
+        last = frame;
+      }
+      view_.items.back().X_WM.translation().y() += 0.1;
+    }
+  }
+  EXPECT_GE(others, 20);  // of 24: but for those out of sight, places show
+}
+
+TEST(PixelsOf, CoversThePixelsOfABoxAndFewMore) {
+  const TriMesh box = BoxMesh({0.1, 0.06, 0.02});
+  SceneView view;
+  view.items = {At(box, {0.1, 0.05, 0.01}, {1, 1, 1})};
+  Renderer renderer;
+  const RgbdFrame frame = renderer.Render(view, Overhead());
+  const cv::Rect seen = cv::boundingRect(cv::Mat(frame.depth_mm > 0));
+  // Clip coordinates of the overhead camera, y down as rows are.
+  const Pinhole p;
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Zero();
+  clip(0, 0) = static_cast<float>(2 * p.fx / p.width);
+  clip(0, 3) =
+      static_cast<float>((2 * p.cx + 1) / p.width - 1) * static_cast<float>(kCameraHeight_m);
+  clip(0, 2) = -clip(0, 3) / static_cast<float>(kCameraHeight_m);
+  clip(1, 1) = static_cast<float>(-2 * p.fy / p.height);
+  clip(1, 3) =
+      static_cast<float>((2 * p.cy + 1) / p.height - 1) * static_cast<float>(kCameraHeight_m);
+  clip(1, 2) = -clip(1, 3) / static_cast<float>(kCameraHeight_m);
+  clip(3, 2) = -1;
+  clip(3, 3) = static_cast<float>(kCameraHeight_m);
+  const cv::Rect pixels =
+      PixelsOf(Bounds{{0.05f, 0.02f, 0}, {0.15f, 0.08f, 0.02f}}.corners(), clip, {640, 480});
+  EXPECT_EQ(pixels & seen, seen);
+  EXPECT_LE(pixels.width, seen.width + 4);
+  EXPECT_LE(pixels.height, seen.height + 4);
+  EXPECT_TRUE(PixelsOf(Bounds{{2, 2, 0}, {2.1f, 2.1f, 0.1f}}.corners(), clip, {640, 480}).empty());
+  // Around the camera.
+  EXPECT_EQ(PixelsOf(Bounds{{-1, -1, 0}, {1, 1, 2}}.corners(), clip, {640, 480}),
+            cv::Rect(0, 0, 640, 480));
 }
 
 TEST(Renderer, AMeshThatChangedInPlaceIsDrawnAnew) {
