@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "agents/ports/referee.h"
 
@@ -11,6 +12,7 @@ namespace gusset {
 struct FrameTruth {
   Truth truth;
   int labels_seen = 0;                               ///< In the region of interest.
+  std::vector<double> label_px2;                     ///< What each label shows there.
   int cube_px = 0;                                   ///< Pixels that show the cube.
   bool cube_hidden = false;                          ///< Fewer than perception needs.
   Eigen::Vector3d cube_m = Eigen::Vector3d::Zero();  ///< The cube's centre, world.

@@ -243,6 +243,7 @@ class RenderCommand final : public Command {
         {"A_bag", truth.truth.bag_area_px2},
         {"A_o", truth.truth.opening_area_px2},
         {"labels", truth.labels_seen},
+        {"label_px2", truth.label_px2},
         {"cube_px", truth.cube_px},
         {"cube_m", {truth.cube_m.x(), truth.cube_m.y(), truth.cube_m.z()}},
         {"cube_hidden", truth.cube_hidden},

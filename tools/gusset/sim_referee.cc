@@ -22,22 +22,33 @@ cv::Mat PaintSurface(const TopView& view, cv::Size size) {
   return surface;
 }
 
-// Centroids of the labels that show at least min_px2 pixels in the region of interest, by those.
-std::vector<cv::Point2d> LabelsSeen(const TopView& view, cv::Size size, const cv::Rect& roi,
-                                    double min_px2, std::size_t count) {
-  std::vector<int> px(count, 0);
-  std::vector<cv::Point2d> sum(count, cv::Point2d(0, 0));
-  for (int y = roi.y; y < roi.br().y; ++y) {
-    for (int x = roi.x; x < roi.br().x; ++x) {
-      const int label = view.label[static_cast<std::size_t>(y * size.width + x)];
-      if (label < 0) continue;
-      ++px[static_cast<std::size_t>(label)];
-      sum[static_cast<std::size_t>(label)] += cv::Point2d(x, y);
-    }
-  }
+/// Areas are counted at so many points per pixel and direction, the middle one its centre: a label
+/// of which a sliver shows is one or two pixels off by centres alone, and each label counts for
+/// hundreds of px^2 of A_o.
+constexpr int kFiner = 3;
+constexpr double kFiner2 = kFiner * kFiner;
+
+/// The camera with kFiner x kFiner pixels in place of each.
+CameraModel Finer(CameraModel camera) {
+  Pinhole& pinhole = camera.pinhole;
+  pinhole.fx *= kFiner;
+  pinhole.fy *= kFiner;
+  pinhole.cx = kFiner * pinhole.cx + kFiner / 2;
+  pinhole.cy = kFiner * pinhole.cy + kFiner / 2;
+  pinhole.width *= kFiner;
+  pinhole.height *= kFiner;
+  return camera;
+}
+
+// Centroids in the frame of the labels that show at least min_px2 pixels in the finer view of
+// `roi`.
+std::vector<cv::Point2d> LabelsSeen(const TopView& finer, const cv::Rect& roi, double min_px2) {
+  const cv::Point2d middle(kFiner / 2, kFiner / 2);
   std::vector<cv::Point2d> seen;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (px[k] >= min_px2) seen.push_back(sum[k] / px[k]);
+  for (std::size_t k = 0; k < finer.label_px.size(); ++k) {
+    if (finer.label_px[k] < kFiner2 * min_px2) continue;
+    const cv::Point2d centre(finer.label_centre_px[k].x(), finer.label_centre_px[k].y());
+    seen.push_back((centre - middle) / kFiner + cv::Point2d(roi.tl()));
   }
   return seen;
 }
@@ -77,11 +88,14 @@ FrameTruth SimReferee::Describe() {
   frame.surface = PaintSurface(view, size);
   frame.cube_px = view.cube_px;
 
-  const std::vector<cv::Point2d> labels =
-      LabelsSeen(view, size, roi, perception_.label_min_px2, scene_.labels().size());
+  const TopView finer =
+      LookAtBag(*drawn_, scene_.labels(), Finer(scene_.model()),
+                {kFiner * roi.x, kFiner * roi.y, kFiner * roi.width, kFiner * roi.height}, &cube);
+  const std::vector<cv::Point2d> labels = LabelsSeen(finer, roi, perception_.label_min_px2);
   frame.labels_seen = static_cast<int>(labels.size());
+  for (const int px : finer.label_px) frame.label_px2.push_back(px / kFiner2);
   const cv::Mat bag(size, CV_8UC1, const_cast<unsigned char*>(view.mask.data()));
-  truth.bag_area_px2 = cv::countNonZero(bag(roi));
+  truth.bag_area_px2 = finer.bag_px / kFiner2;
   truth.opening_area_px2 = MeasureOpening(labels).area_px2;
 
   Evidence evidence;
