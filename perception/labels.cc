@@ -32,6 +32,10 @@ constexpr double kBlur_px = 0.8;
 /// Single labels may be longer by so much: without it 42 of 7,908 clear frames of a later such
 /// corpus are seen wrong, with it 37.
 constexpr double kSlack_px = 0.2;
+/// What a sliver loses of its area, for the faintest of its soft edge has lost its hue: labels that
+/// show 6 to 20 px^2 were seen 1.3 to 1.6 px^2 smaller, whole ones 0.1 (448 labels in 510 frames
+/// with varied light and colours; docs/perception.md).
+constexpr double kLost_px2 = 1.4;
 /// How far beyond a spot's end the canvas is looked for, and how far to either side.
 constexpr int kBeyond_px = 4;
 constexpr int kAside_px = 3;
@@ -196,7 +200,7 @@ void AddLabels(const std::vector<Pixel>& spot, const cv::Mat& bag, const Percept
                std::vector<Label>& labels) {
   const auto add = [&](const Moments& m) { labels.push_back({m.centroid, m.area}); };
   const Moments moments = MomentsOf(spot);
-  if (moments.area < config.label_min_px2) return;
+  if (moments.area < config.label_min_px2 - kLost_px2) return;
   const bool several =
       moments.length > config.label_length_px + kBlur_px ||
       (moments.length > config.label_length_px + kSlack_px && moments.area > kSeveralArea_px2);
@@ -299,7 +303,8 @@ std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most
     }
     if (in_parts) {
       const Moments whole = MomentsOf(pixels);
-      if (whole.area >= config.label_min_px2) labels.push_back({whole.centroid, whole.area});
+      if (whole.area >= config.label_min_px2 - kLost_px2)
+        labels.push_back({whole.centroid, whole.area});
     } else {
       AddLabels(pixels, bag, config, labels);
     }

@@ -13,7 +13,8 @@ struct Label {
   double area_px2 = 0;   ///< Sum of cover: parts of pixels count as parts.
 };
 
-/// Finds the labels: spots of label colour on the bag, no smaller than the noise floor. A spot
+/// Finds the labels: spots of label colour on the bag that show at least `label_min_px2`, what a
+/// sliver's soft edge has lost included. A spot
 /// longer than a label is several that touch, as where one layer's label lies beside the other's. A
 /// sliver beside a whole label is cut off where that label ends, two larger parts at their waist.
 /// How long a spot is follows from its second moment along its longer axis: for a rectangle of

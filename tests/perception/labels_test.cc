@@ -31,7 +31,7 @@ TEST(FindLabels, GivesCentroidsFromTheLargest) {
 
 TEST(FindLabels, NoiseAndGreenBesideTheBagAreNone) {
   Masks masks;
-  masks.label(cv::Rect(60, 60, 3, 3)) = 255;   // Below 10 px^2.
+  masks.label(cv::Rect(60, 60, 2, 4)) = 255;   // Below 10 px^2, what its edge lost included.
   masks.label(cv::Rect(300, 60, 9, 9)) = 255;  // Not on the bag.
   EXPECT_TRUE(FindLabels(masks.label, masks.bag, 10, kConfig).empty());
 }
@@ -43,8 +43,8 @@ TEST(FindLabels, AGlintDoesNotMakeTwoOfOne) {
   EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), 1u);
 }
 
-// Three columns and eight rows that a label covers by half are twelve pixels of label; by 0.4, less
-// than the ten that count.
+// Three columns and eight rows that a label covers by half are twelve pixels of label; by 0.4, 9.6
+// are left of the ten that count, by 0.35 8.4, which is less than an edge loses.
 TEST(FindLabels, PartsOfPixelsCountAsParts) {
   Masks masks;
   const cv::Rect sliver(60, 60, 3, 8);
@@ -55,6 +55,8 @@ TEST(FindLabels, PartsOfPixelsCountAsParts) {
   EXPECT_NEAR(labels[0].centroid.x, 61, 1e-9);
   EXPECT_NEAR(labels[0].centroid.y, 63.5, 1e-9);
   masks.label(sliver) = 102;
+  EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), 1u);
+  masks.label(sliver) = 89;
   EXPECT_TRUE(FindLabels(masks.label, masks.bag, 10, kConfig).empty());
 }
 
