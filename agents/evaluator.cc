@@ -9,6 +9,7 @@
 #include "agents/outcome_fields.h"
 #include "base/error.h"
 #include "base/random.h"
+#include "base/stop.h"
 
 namespace gusset {
 namespace {
@@ -111,10 +112,17 @@ EvaluationResult Evaluate(Workers& workers, const Agent& agent, const Evaluation
   std::atomic<int> done = 0;
   for (int i = 0; i < config.episodes; ++i) {
     tasks.push_back([&, i](Environment& environment) {
-      if (stop()) throw RunError("interrupted after " + std::to_string(done) + " episodes");
+      const auto interrupted = [&] {
+        return RunError("interrupted after " + std::to_string(done) + " episodes");
+      };
+      if (stop()) throw interrupted();
       Episode& episode = episodes[static_cast<std::size_t>(i)];
       EpisodeFrames frames(config.dump, config.frames / fmt::format("episode{:03}_action", i));
-      episode = RunEpisode(environment, agent, config, i, &frames);
+      try {
+        episode = RunEpisode(environment, agent, config, i, &frames);
+      } catch (const Interrupted&) {
+        throw interrupted();
+      }
       frames.Finish(episode.true_success);
       spdlog::info("episode {} of {}: {} actions, {}", ++done, config.episodes,
                    episode.steps.size(), episode.true_success ? "success" : "failure");

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/random.h"
+#include "base/stop.h"
 
 namespace gusset {
 namespace {
@@ -192,7 +193,12 @@ class Trainer {
   }
 
   TrainSummary Run() {
-    config_.protocol == "pools" ? RunPools() : RunChain();
+    try {
+      config_.protocol == "pools" ? RunPools() : RunChain();
+    } catch (const Interrupted&) {
+      CheckStop();
+      throw;
+    }
     return {progress_.actions, progress_.extra, progress_.sim_s};
   }
 

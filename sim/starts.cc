@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "base/stop.h"
 #include "sim/top_view.h"
 
 namespace gusset {
@@ -35,6 +36,7 @@ class Hands {
   void Move(double seconds, Motion motion) {
     const long steps = std::lround(seconds / h_);
     for (long i = 1; i <= steps; ++i) {
+      ThrowIfStopped();
       motion(static_cast<float>(i) / static_cast<float>(steps));
       cloth_.Predict(h_);
       cloth_.SolveConstraints(h_, X_WT, shapes);

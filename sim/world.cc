@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/gravity.h"
+#include "base/stop.h"
 #include "sim/cloth/bullet_cloth.h"
 
 namespace gusset {
@@ -438,6 +439,7 @@ double World::step_s() const { return impl_->h; }
 
 void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_opening_m,
                  bool at_rest) {
+  ThrowIfStopped();
   Impl& w = *impl_;
   ++w.steps;
   w.time += w.h;

@@ -272,19 +272,9 @@ TEST_F(TrainingRun, KilledAgainAndAgainItEndsLikeTheUnbrokenRun) {
 
 TEST_F(TrainingRun, StoppedItSaysHowToGoOnAndEndsLikeTheUnbrokenRun) {
   const fs::path run = dir_ / "stopped";
-  {
-    Program gusset(New(run), dir_ / "err");
-    ASSERT_TRUE(gusset.WaitUntil([&] { return ActionsKept(run) == 1; })) << gusset.Wait().err;
-    // The next action, a second long, is under way.
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    gusset.Send(SIGINT);
-    ASSERT_TRUE(gusset.WaitUntil([&] { return !gusset.Catches(SIGINT); }));
-    gusset.Send(SIGINT);
-    EXPECT_EQ(gusset.Wait().signal, SIGINT) << "a second Ctrl-C kills";
-  }
   for (const int signal : {SIGINT, SIGTERM}) {
     const long before = ActionsKept(run);
-    Program gusset(Resume(run), dir_ / "err");
+    Program gusset(before == 0 ? New(run) : Resume(run), dir_ / "err");
     ASSERT_TRUE(gusset.WaitUntil([&] { return ActionsKept(run) > before; })) << gusset.Wait().err;
     gusset.Send(signal);
     const Exit exit = gusset.Wait();
@@ -294,6 +284,24 @@ TEST_F(TrainingRun, StoppedItSaysHowToGoOnAndEndsLikeTheUnbrokenRun) {
     ASSERT_FALSE(fs::exists(run / "policy.json"));
   }
   ExpectToEndLikeTheUnbrokenRun(Resume(run), run);
+}
+
+// Bags are folded again and again, and none is small enough.
+TEST_F(TrainingRun, StoppedInTheMidstOfAStartItGivesThatUp) {
+  ::setenv("GUSSET_CACHE", (dir_ / "no_cache").c_str(), 1);
+  const fs::path run = dir_ / "no_start";
+  std::vector<std::string> arguments = New(run);
+  for (const char* bound : {"starts.folded_area_min_px=100", "starts.folded_area_max_px=101"}) {
+    arguments.insert(arguments.end(), {"--set", bound});
+  }
+  Program gusset(arguments, dir_ / "err");
+  ASSERT_TRUE(gusset.WaitUntil([&] {
+    return gusset.Catches(SIGINT) && fs::exists(run / "run.json");
+  })) << gusset.Wait().err;
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  gusset.Send(SIGINT);
+  ExpectOneLine(gusset.Wait(), 1, "interrupted after 0 actions; " + run.string());
+  ::setenv("GUSSET_CACHE", (dir_ / "cache").c_str(), 1);
 }
 
 // The room runs out for one kind of file after the other, each larger than those before. Starts are

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/stop.h"
 #include "tools/gusset/command.h"
 
 namespace gusset {
@@ -58,6 +59,8 @@ int RunCommandLine(int argc, char** argv) {
   } catch (const InputError& e) {
     return Complain(e.what(), 2);
   } catch (const RunError& e) {
+    return Complain(e.what(), 1);
+  } catch (const Interrupted& e) {
     return Complain(e.what(), 1);
   } catch (const std::filesystem::filesystem_error& e) {
     return Complain(e.path1().string() + ": " + e.code().message(), 2);

@@ -7,6 +7,7 @@
 #include "agents/report/contact_sheet.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/stop.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
 #include "tools/gusset/start_option.h"

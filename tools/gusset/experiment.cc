@@ -6,6 +6,7 @@
 #include "base/config.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/stop.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/experiment_progress.h"
 #include "tools/gusset/experiment_rig.h"

@@ -8,6 +8,7 @@
 #include "agents/json_fields.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/stop.h"
 #include "perception/overlay.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
@@ -103,14 +104,18 @@ class RenderCommand final : public Command {
     }
     WatchForStop();
     const int most_episodes = kEpisodesPerFrame * count_;
-    for (int episode = 0; !Done(); ++episode) {
-      if (episode == most_episodes) {
-        throw RunError(std::to_string(frames_) + " frames in " + std::to_string(episode) +
-                       " episodes, still missing " + Missing() +
-                       "; a trained --policy gets there more often");
+    try {
+      for (int episode = 0; !Done(); ++episode) {
+        if (episode == most_episodes) {
+          throw RunError(std::to_string(frames_) + " frames in " + std::to_string(episode) +
+                         " episodes, still missing " + Missing() +
+                         "; a trained --policy gets there more often");
+        }
+        RunEpisodeOnce(environment, *agent, static_cast<std::uint64_t>(episode), labels);
+        if (state_ == "all") KeepCleared(environment, static_cast<std::uint64_t>(episode), labels);
       }
-      RunEpisodeOnce(environment, *agent, static_cast<std::uint64_t>(episode), labels);
-      if (state_ == "all") KeepCleared(environment, static_cast<std::uint64_t>(episode), labels);
+    } catch (const Interrupted&) {
+      throw RunError("interrupted after " + std::to_string(frames_) + " frames");
     }
     std::cout << frames_ << " frames of " << state_ << ": " << out_ << std::endl;
   }
@@ -148,9 +153,6 @@ class RenderCommand final : public Command {
     Snapshot world = environment.Start(KindOf(episode), DeriveSeed(seed_, "render start", episode));
     cv::Mat shown_before;
     for (int i = 0; i <= kActions && !Done(); ++i) {
-      if (StopRequested()) {
-        throw RunError("interrupted after " + std::to_string(frames_) + " frames");
-      }
       const std::uint64_t index = episode * (kActions + 1) + static_cast<std::uint64_t>(i);
       const Percept percept = environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
       const FrameTruth truth = environment.testbed().Describe();

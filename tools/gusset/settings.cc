@@ -14,6 +14,7 @@
 #include "agents/thompson_sampling.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/stop.h"
 #include "sim/sim_scene.h"
 #include "tools/gusset/deep_agents.h"
 #include "tools/gusset/testbed_env.h"
@@ -30,9 +31,7 @@ void ForgetBag(const std::string& bag, ConfigTree& tree) {
   }
 }
 
-volatile std::sig_atomic_t stop_requested = 0;
-
-extern "C" void OnStopSignal(int) { stop_requested = 1; }
+extern "C" void OnStopSignal(int) { RequestStop(); }
 
 template <class Visitor>
 void VisitLearners(Settings& settings, Visitor visit) {
@@ -210,7 +209,5 @@ void WatchForStop() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
-
-bool StopRequested() { return stop_requested != 0; }
 
 }  // namespace gusset

@@ -91,8 +91,7 @@ nlohmann::ordered_json Versions(const Settings& settings);
 /// Prints the one JSON document of --json. @throws RunError if stdout cannot take it.
 void PrintJson(const nlohmann::ordered_json& document);
 
-/// From now on Ctrl-C and SIGTERM make StopRequested() true; a second one kills.
+/// From now on Ctrl-C and SIGTERM request a stop (base/stop.h); a second one kills.
 void WatchForStop();
-bool StopRequested();
 
 }  // namespace gusset

@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "agents/run_folder.h"
+#include "base/stop.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
 #include "tools/gusset/training.h"

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/stop.h"
 #include "sim/cloth/bag_mesh.h"
 #include "tools/gusset/bench/looks.h"
 
