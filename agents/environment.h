@@ -45,7 +45,8 @@ using FrameWriter =
 
 /// An episodic task with discrete actions whose world can be saved and restored. An action's
 /// outcome depends on (snapshot, sensor seed, action) alone, so actions can be run again, anywhere,
-/// in any order: resuming, replaying and running several at once all rest on that.
+/// in any order: resuming, replaying and running several at once all rest on that. Starts and
+/// actions throw Interrupted once a stop was requested (base/stop.h).
 class Environment {
  public:
   virtual ~Environment() = default;

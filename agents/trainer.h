@@ -68,7 +68,8 @@ struct TrainSummary {
 /// came before, decides otherwise: the result does not depend on the number of workers. Continues
 /// from the folder's checkpoint if it has one; after a kill at any moment the end is the same.
 ///
-/// @param stop asked between actions; when true the run ends with a RunError and can be resumed.
+/// @param stop asked between actions; when true, or when an action is Interrupted (base/stop.h),
+/// the run ends with a RunError and can be resumed.
 /// @param about goes into policy.json.
 TrainSummary Train(Workers& workers, Agent& agent, const TrainConfig& config,
                    const RunFolder& folder, const nlohmann::ordered_json& about,

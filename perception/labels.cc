@@ -200,13 +200,14 @@ void AddLabels(const std::vector<Pixel>& spot, const cv::Mat& bag, const Percept
                std::vector<Label>& labels) {
   const auto add = [&](const Moments& m) { labels.push_back({m.centroid, m.area}); };
   const Moments moments = MomentsOf(spot);
-  if (moments.area < config.label_min_px2 - kLost_px2) return;
+  const double least_area = config.label_min_px2 - kLost_px2;
+  if (moments.area < least_area) return;
   const bool several =
       moments.length > config.label_length_px + kBlur_px ||
       (moments.length > config.label_length_px + kSlack_px && moments.area > kSeveralArea_px2);
   if (!several) return add(moments);
   if (moments.area > kLabelArea_px2 && moments.area < 1.5 * kLabelArea_px2) {
-    for (const auto& part : CutOffSliver(spot, moments, bag, config.label_min_px2)) {
+    for (const auto& part : CutOffSliver(spot, moments, bag, least_area)) {
       add(MomentsOf(part));
     }
     return;

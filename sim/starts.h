@@ -45,7 +45,7 @@ struct StartConfig {
 /// gathered at a random point and dropped from 0.3 m; or dropped, then pushed together from four
 /// sides. The three are equally likely. Attempts are made until one hides the mouth and has the
 /// area; nothing else is chosen. A function of its arguments alone.
-/// @throws RunError if no attempt out of 300 serves.
+/// @throws RunError if no attempt out of 300 serves. Interrupted (base/stop.h).
 Start MakeFoldedStart(const BagConfig& bag, const ClothSolverConfig& solver,
                       const StartConfig& config, const CameraModel& camera, bool any_pose,
                       std::uint64_t seed);

@@ -39,7 +39,7 @@ struct AttemptResult {
 /// (step 2) or left by random fitting actions (steps 3 and 4, four per attempt at most). If there
 /// are fewer bags than attempts still, they are taken again, in turn, under new sensor noise.
 ///
-/// Depends on (policy, config) only. @throws RunError if `stop` becomes true.
+/// Depends on (policy, config) only. @throws RunError if `stop` becomes true, Interrupted.
 AttemptResult AttemptSteps(Environment& environment, const Agent& agent,
                            const AttemptConfig& config, const std::function<bool()>& stop);
 

@@ -129,8 +129,7 @@ class Runner {
   void FindFinished() {
     for (Unit& unit : units_) {
       if (unit.cell == nullptr) {
-        if (!Exists(FolderOf(unit) / "policy.json")) continue;
-        rig_.CheckTraining(*unit.training, unit.seed, FolderOf(unit));
+        if (!rig_.HasTrained(*unit.training, unit.seed, FolderOf(unit))) continue;
         Keep(unit, ReadTrainingResult(FolderOf(unit)));
       } else if (units_[static_cast<std::size_t>(unit.after)].state == Unit::kFinished) {
         if (auto record = ReadTrial(FileOf(unit), TrialOf(unit))) Keep(unit, std::move(*record));

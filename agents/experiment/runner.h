@@ -55,9 +55,10 @@ class ExperimentRig {
   /// @param count  goes up by one with every action. @throws InputError, RunError as Train does.
   virtual void Train(const TrainingPlan& plan, int seed, const std::filesystem::path& folder,
                      std::atomic<int>& count, const Stop& stop) = 0;
-  /// @throws InputError if the finished training in `folder` is not the one planned.
-  virtual void CheckTraining(const TrainingPlan& plan, int seed,
-                             const std::filesystem::path& folder) = 0;
+  /// Whether the training in `folder` has ended, its pictures included.
+  /// @throws InputError if it has, and is not the one planned.
+  virtual bool HasTrained(const TrainingPlan& plan, int seed,
+                          const std::filesystem::path& folder) = 0;
   /// The finished training in `folder` and what its policy is to be tried in.
   virtual Subject Open(const TrainingPlan& plan, const CellPlan& cell,
                        const std::filesystem::path& folder) = 0;

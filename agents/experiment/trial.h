@@ -49,7 +49,7 @@ struct TrialRecord {
   nlohmann::json versions;
 };
 
-/// Performs it. @throws RunError if `stop` becomes true.
+/// Performs it. @throws RunError if `stop` becomes true, Interrupted.
 TrialRecord RunTrial(Workers& workers, const Agent& agent, const TrialPlan& plan,
                      const std::function<bool()>& stop);
 

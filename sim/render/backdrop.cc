@@ -7,6 +7,8 @@
 namespace gusset {
 namespace {
 
+constexpr int kLooks = 3;
+
 bool Same(const CameraModel& a, const CameraModel& b) {
   const Pinhole &p = a.pinhole, &q = b.pinhole;
   return p.fx == q.fx && p.fy == q.fy && p.cx == q.cx && p.cy == q.cy && p.width == q.width &&
@@ -30,11 +32,7 @@ void Join(std::vector<cv::Rect>& parts) {
       parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
       grew = true;
     }
-    if (!grew) {
-      ++i;
-    } else {
-      i = 0;
-    }
+    i = grew ? 0 : i + 1;
   }
 }
 
@@ -47,8 +45,12 @@ bool Backdrop::IsOf(const SceneView& still, const CameraModel& camera) const {
                             [](const auto& a, const auto& b) { return Same(a, b); });
 }
 
-bool Backdrop::IsWorthIt(const SceneView& still, const CameraModel& camera) {
-  if (IsOf(still, camera)) return true;
+bool Backdrop::NoteLook(const SceneView& still, const CameraModel& camera) {
+  if (looks_ > 0 && IsOf(still, camera)) {
+    looks_ = std::min(looks_ + 1, kLooks);
+    return looks_ == kLooks;
+  }
+  looks_ = 1;
   frame_.reset();
   still_ = still;
   camera_ = camera;
@@ -67,9 +69,11 @@ void Backdrop::Keep(RgbdFrame frame) {
     for (int column = 0; column < frame.depth_mm.cols; ++column) {
       const int depth_mm = frame.depth_mm.at<std::uint16_t>(row, column);
       if (depth_mm == 0) continue;
-      // Depth is rounded to a millimetre.
-      const double z = camera_.Deproject(cv::Point2d(column, row), 0.001 * (depth_mm + 1)).z();
-      lowest_m_ = std::min(lowest_m_, static_cast<float>(z));
+      // Depth is rounded to a millimetre, and the ray may point up.
+      for (const int mm : {depth_mm - 1, depth_mm + 1}) {
+        const double z = camera_.Deproject(cv::Point2d(column, row), 0.001 * mm).z();
+        lowest_m_ = std::min(lowest_m_, static_cast<float>(z));
+      }
     }
   }
   frame_ = std::move(frame);

@@ -16,15 +16,17 @@ namespace gusset {
 /// falls, need a frame be drawn.
 class Backdrop {
  public:
-  /// True if the last two calls were of the same view: the second time a frame is worth keeping.
-  /// What is kept of another view is forgotten.
-  bool IsWorthIt(const SceneView& still, const CameraModel& camera);
+  /// Takes note of a look at what stands still, and forgets what was kept of another view.
+  /// @returns whether a frame of this one is worth keeping: from the third look in a row on, for
+  /// where each world has a light of its own (`variation`), many have but two.
+  bool NoteLook(const SceneView& still, const CameraModel& camera);
 
   bool kept() const { return frame_.has_value(); }
   const RgbdFrame& frame() const { return *frame_; }
   void Keep(RgbdFrame frame);
 
-  /// The parts of the frame, none of which overlap, outside which a scene looks like the backdrop.
+  /// The parts of the frame, none of which overlap, outside which a scene looks like the backdrop,
+  /// of which a frame must be kept.
   /// @param moving, still boxes around what does and what does not stand still, world.
   /// @param shear see the renderer's ground map: a point casts its shadow on all that have the same
   /// xy - z shear.
@@ -42,6 +44,7 @@ class Backdrop {
   SceneView still_;  ///< Its items' meshes are the copies below.
   std::vector<TriMesh> meshes_;
   CameraModel camera_;
+  int looks_ = 0;
   std::optional<RgbdFrame> frame_;
   float lowest_m_ = 0;  ///< Height of the lowest thing that the frame shows.
 };

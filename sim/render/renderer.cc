@@ -68,7 +68,13 @@ struct ClothOnCard {
   bool textured = false;
 };
 
-bool Stands(const Corners& box) { return box.row(2).maxCoeff() > kFlat_m; }
+/// A thing as it lies in the world.
+struct PlacedItem {
+  const RenderItem* item;
+  const MeshOnCard* mesh;
+  Corners corners;  ///< Of the box around it, world.
+  bool stands;      ///< Reaches higher than the table.
+};
 
 /// Pixel centres: OpenCV's lie at integers, OpenGL's at halves. Image row 0 is drawn at OpenGL's
 /// bottom, so what is read back needs no flip; windings turn over instead.
@@ -128,26 +134,27 @@ struct Renderer::Impl {
   const MeshOnCard& Mesh(const TriMesh& mesh);
   void UpdateCloth(const ClothItem& item);
   void UpdateClothTexture(const ClothItem& item);
-  /// Of the box around an item, world.
-  Corners CornersOf(const RenderItem& item) {
-    return item.X_WM.cast<float>() * Mesh(*item.mesh).bounds.corners();
-  }
-  /// Of that around the cloth as drawn, both sides.
+  void ForgetMesh(const MeshOnCard& entry);
+  std::vector<PlacedItem> Place(const SceneView& scene);
+  /// Of the box around the cloth as drawn, both sides.
   Corners ClothCorners() const {
     Bounds bounds = Bounds::Of(cloth.surface->positions());
     bounds.lo.array() -= cloth.surface->half_thickness_m();
     bounds.hi.array() += cloth.surface->half_thickness_m();
     return bounds.corners();
   }
-  std::vector<cv::Rect> ChangedParts(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
-                                     const Eigen::Vector2d& shear);
+  std::vector<cv::Rect> ChangedParts(const std::vector<PlacedItem>& items, bool has_cloth,
+                                     const Eigen::Matrix4f& clip_from_world,
+                                     const Eigen::Vector2d& shear) const;
   RgbdFrame Draw(const SceneView& scene, const CameraModel& camera, bool over_backdrop);
-  void DrawGroundMap(const SceneView& scene, const Eigen::Vector2d& shear);
+  void DrawGroundMap(const SceneView& scene, const std::vector<PlacedItem>& items,
+                     const Eigen::Vector2d& shear);
   void SetLight(const LightConfig& light, const Eigen::Vector2d& shear);
-  void DrawPart(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
-                const Eigen::Vector2d& shear, const cv::Rect& part);
-  void DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
-                 const cv::Rect& part, bool standing);
+  void DrawPart(const SceneView& scene, const std::vector<PlacedItem>& items,
+                const Eigen::Matrix4f& clip_from_world, const Eigen::Vector2d& shear,
+                const cv::Rect& part);
+  void DrawItems(const LightConfig& light, const std::vector<PlacedItem>& items,
+                 const Eigen::Matrix4f& clip_from_world, const cv::Rect& part, bool standing);
   void DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
   void SortCloth(const Eigen::Matrix4f& clip_from_world);
   void ReadBack(const cv::Rect& part, RgbdFrame& frame);
@@ -267,24 +274,25 @@ void Renderer::Impl::Resize(int new_width, int new_height) {
   }
   width = new_width;
   height_px = new_height;
+  rgba.create(height_px, width, CV_8UC4);
+  depth.create(height_px, width, CV_32FC1);
+}
+
+void Renderer::Impl::ForgetMesh(const MeshOnCard& entry) {
+  gl.DeleteVertexArrays(1, &entry.vertex_array);
+  gl.DeleteBuffers(1, &entry.vertices);
+  gl.DeleteBuffers(1, &entry.indices);
 }
 
 const MeshOnCard& Renderer::Impl::Mesh(const TriMesh& mesh) {
   // Keyed by address, which a new mesh may have inherited from a dead one: hence the comparison.
-  const auto found = meshes.find(&mesh);
-  if (found != meshes.end()) {
+  if (const auto found = meshes.find(&mesh); found != meshes.end()) {
     MeshOnCard& entry = found->second;
     if (entry.source.vertices == mesh.vertices && entry.source.triangles == mesh.triangles) {
       return entry;
     }
-  }
-  if (meshes.size() >= kMaxCachedMeshes || found != meshes.end()) {
-    for (auto& [key, entry] : meshes) {
-      gl.DeleteVertexArrays(1, &entry.vertex_array);
-      gl.DeleteBuffers(1, &entry.vertices);
-      gl.DeleteBuffers(1, &entry.indices);
-    }
-    meshes.clear();
+    ForgetMesh(entry);
+    meshes.erase(found);
   }
   MeshOnCard& entry = meshes[&mesh];
   entry.source = mesh;
@@ -307,6 +315,20 @@ const MeshOnCard& Renderer::Impl::Mesh(const TriMesh& mesh) {
   gl.VertexAttribPointer(kNormal, 3, GL_FLOAT, GL_FALSE, sizeof(ShadedMesh::Vertex),
                          reinterpret_cast<const void*>(offsetof(ShadedMesh::Vertex, normal)));
   return entry;
+}
+
+std::vector<PlacedItem> Renderer::Impl::Place(const SceneView& scene) {
+  if (meshes.size() > kMaxCachedMeshes) {
+    for (const auto& [key, entry] : meshes) ForgetMesh(entry);
+    meshes.clear();
+  }
+  std::vector<PlacedItem> items;
+  for (const RenderItem& item : scene.items) {
+    const MeshOnCard& mesh = Mesh(*item.mesh);
+    const Corners corners = item.X_WM.cast<float>() * mesh.bounds.corners();
+    items.push_back({&item, &mesh, corners, corners.row(2).maxCoeff() > kFlat_m});
+  }
+  return items;
 }
 
 void Renderer::Impl::UpdateCloth(const ClothItem& item) {
@@ -363,22 +385,22 @@ void Renderer::Impl::UpdateClothTexture(const ClothItem& item) {
   cloth.textured = true;
 }
 
-void Renderer::Impl::DrawGroundMap(const SceneView& scene, const Eigen::Vector2d& shear) {
+void Renderer::Impl::DrawGroundMap(const SceneView& scene, const std::vector<PlacedItem>& items,
+                                   const Eigen::Vector2d& shear) {
   const Eigen::Matrix4f clip_from_world = GroundFromWorld(shear);
+  gl.Disable(GL_SCISSOR_TEST);
   gl.BindFramebuffer(GL_FRAMEBUFFER, height_buffer);
   gl.Viewport(0, 0, kGroundPixels, kGroundPixels);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.FrontFace(GL_CCW);
   Use(height_program);
   Set("clip_from_world", clip_from_world);
-  for (const RenderItem& item : scene.items) {
-    const Corners box = CornersOf(item);
+  for (const auto& [item, mesh, corners, stands] : items) {
     // What reaches no higher than the table casts no shadow on it.
-    if (!Stands(box) || !MayBeSeen(box, clip_from_world)) continue;
-    const MeshOnCard& mesh = Mesh(*item.mesh);
-    Set("X_WM", item.X_WM.matrix().cast<float>().eval());
-    gl.BindVertexArray(mesh.vertex_array);
-    gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+    if (!stands || !MayBeSeen(corners, clip_from_world)) continue;
+    Set("X_WM", Eigen::Matrix4f(item->X_WM.matrix().cast<float>()));
+    gl.BindVertexArray(mesh->vertex_array);
+    gl.DrawElements(GL_TRIANGLES, mesh->index_count, GL_UNSIGNED_INT, nullptr);
   }
   if (!scene.cloth.x.empty()) {
     Set("X_WM", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
@@ -420,21 +442,20 @@ void Renderer::Impl::SetLight(const LightConfig& light, const Eigen::Vector2d& s
 }
 
 // Either what stands up from the table or the table itself and what lies no higher.
-void Renderer::Impl::DrawItems(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
-                               const cv::Rect& part, bool standing) {
+void Renderer::Impl::DrawItems(const LightConfig& light, const std::vector<PlacedItem>& items,
+                               const Eigen::Matrix4f& clip_from_world, const cv::Rect& part,
+                               bool standing) {
   gl.FrontFace(GL_CW);
   Set("clip_from_world", clip_from_world);
-  for (const RenderItem& item : scene.items) {
-    const Corners box = CornersOf(item);
-    if (Stands(box) != standing) continue;
-    if ((PixelsOf(box, clip_from_world, {width, height_px}) & part).empty()) continue;
-    const MeshOnCard& mesh = Mesh(*item.mesh);
-    Set("X_WM", item.X_WM.matrix().cast<float>().eval());
-    Set("rgb", Eigen::Vector3f(item.rgb.cwiseProduct(ColourOf(scene.light))));
-    Set("darkest", std::min(1 - item.contrast, static_cast<float>(1 - scene.light.contrast)));
-    Set("mottle", item.mottle);
-    gl.BindVertexArray(mesh.vertex_array);
-    gl.DrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+  for (const auto& [item, mesh, corners, stands] : items) {
+    if (stands != standing) continue;
+    if ((PixelsOf(corners, clip_from_world, {width, height_px}) & part).empty()) continue;
+    Set("X_WM", Eigen::Matrix4f(item->X_WM.matrix().cast<float>()));
+    Set("rgb", Eigen::Vector3f(item->rgb.cwiseProduct(ColourOf(light))));
+    Set("darkest", std::min(1 - item->contrast, static_cast<float>(1 - light.contrast)));
+    Set("mottle", item->mottle);
+    gl.BindVertexArray(mesh->vertex_array);
+    gl.DrawElements(GL_TRIANGLES, mesh->index_count, GL_UNSIGNED_INT, nullptr);
   }
 }
 
@@ -487,17 +508,17 @@ void Renderer::Impl::DrawCloth(const SceneView& scene, const Eigen::Matrix4f& cl
 
 // What has been drawn of a part, into the frame.
 void Renderer::Impl::ReadBack(const cv::Rect& part, RgbdFrame& frame) {
-  rgba.create(part.size(), CV_8UC4);
-  depth.create(part.size(), CV_32FC1);
+  const cv::Mat part_rgba(part.size(), CV_8UC4, rgba.data);
+  const cv::Mat part_depth(part.size(), CV_32FC1, depth.data);
   gl.ReadPixels(part.x, part.y, part.width, part.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
   gl.ReadPixels(part.x, part.y, part.width, part.height, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data);
-  cv::cvtColor(rgba, frame.color(part), cv::COLOR_RGBA2BGR);
+  cv::cvtColor(part_rgba, frame.color(part), cv::COLOR_RGBA2BGR);
   // 1/z is linear in the depth buffer's d; halves are added so that cutting to integer rounds.
   constexpr auto kInverseNear = static_cast<float>(1 / (1000 * kNear_m));
   constexpr auto kSlope = static_cast<float>(1 / (1000 * kNear_m) - 1 / (1000 * kFar_m));
   std::vector<float> z(static_cast<std::size_t>(part.width));
   for (int row = 0; row < part.height; ++row) {
-    const float* d = depth.ptr<float>(row);
+    const auto* d = part_depth.ptr<float>(row);
     auto* mm = frame.depth_mm.ptr<std::uint16_t>(part.y + row) + part.x;
     // In two loops, which the compiler makes vectors of; in one it does not.
     for (int column = 0; column < part.width; ++column) {
@@ -510,14 +531,15 @@ void Renderer::Impl::ReadBack(const cv::Rect& part, RgbdFrame& frame) {
   }
 }
 
-void Renderer::Impl::DrawPart(const SceneView& scene, const Eigen::Matrix4f& clip_from_world,
-                              const Eigen::Vector2d& shear, const cv::Rect& part) {
+void Renderer::Impl::DrawPart(const SceneView& scene, const std::vector<PlacedItem>& items,
+                              const Eigen::Matrix4f& clip_from_world, const Eigen::Vector2d& shear,
+                              const cv::Rect& part) {
   gl.Scissor(part.x, part.y, part.width, part.height);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   // Nearest first as a rule, so that what they hide is not shaded.
   Use(rigid_program);
   SetLight(scene.light, shear);
-  DrawItems(scene, clip_from_world, part, /*standing=*/true);
+  DrawItems(scene.light, items, clip_from_world, part, /*standing=*/true);
   if (!scene.cloth.x.empty() &&
       !(PixelsOf(ClothCorners(), clip_from_world, {width, height_px}) & part).empty()) {
     Use(cloth_program);
@@ -525,19 +547,20 @@ void Renderer::Impl::DrawPart(const SceneView& scene, const Eigen::Matrix4f& cli
     DrawCloth(scene, clip_from_world);
     Use(rigid_program);
   }
-  DrawItems(scene, clip_from_world, part, /*standing=*/false);
+  DrawItems(scene.light, items, clip_from_world, part, /*standing=*/false);
 }
 
 // Where the scene looks other than the backdrop.
-std::vector<cv::Rect> Renderer::Impl::ChangedParts(const SceneView& scene,
+std::vector<cv::Rect> Renderer::Impl::ChangedParts(const std::vector<PlacedItem>& items,
+                                                   bool has_cloth,
                                                    const Eigen::Matrix4f& clip_from_world,
-                                                   const Eigen::Vector2d& shear) {
+                                                   const Eigen::Vector2d& shear) const {
   std::vector<Corners> moving, still;
-  for (const RenderItem& item : scene.items) {
-    (item.still ? still : moving).push_back(CornersOf(item));
+  for (const PlacedItem& placed : items) {
+    (placed.item->still ? still : moving).push_back(placed.corners);
   }
-  if (!scene.cloth.x.empty()) moving.push_back(ClothCorners());
-  // The blur's window reaches four texels, and each look-up to the next one.
+  if (has_cloth) moving.push_back(ClothCorners());
+  // The blur's window reaches four texels, each look-up to the next one, and one is for rounding.
   constexpr double kTexel_m = 2 * kGroundHalf_m / kGroundPixels;
   constexpr auto kReach_m = static_cast<float>((kBlurWindow / 2 + 2) * kTexel_m);
   return backdrop.ChangedParts(moving, still, clip_from_world, shear.cast<float>(), kReach_m,
@@ -548,14 +571,15 @@ RgbdFrame Renderer::Impl::Draw(const SceneView& scene, const CameraModel& camera
                                bool over_backdrop) {
   const Eigen::Vector3d light = TowardsLight(scene.light);
   const Eigen::Vector2d shear = light.head<2>() / light.z();
-  DrawGroundMap(scene, shear);
+  const std::vector<PlacedItem> items = Place(scene);
+  DrawGroundMap(scene, items, shear);
 
   const Eigen::Matrix4f clip_from_world = ClipFromWorld(camera);
   RgbdFrame frame;
   std::vector<cv::Rect> parts;
   if (over_backdrop) {
     frame = {backdrop.frame().color.clone(), backdrop.frame().depth_mm.clone()};
-    parts = ChangedParts(scene, clip_from_world, shear);
+    parts = ChangedParts(items, !scene.cloth.x.empty(), clip_from_world, shear);
   } else {
     frame.color.create(height_px, width, CV_8UC3);
     frame.depth_mm.create(height_px, width, CV_16UC1);
@@ -565,10 +589,9 @@ RgbdFrame Renderer::Impl::Draw(const SceneView& scene, const CameraModel& camera
   gl.Viewport(0, 0, width, height_px);
   gl.Enable(GL_SCISSOR_TEST);
   for (const cv::Rect& part : parts) {
-    DrawPart(scene, clip_from_world, shear, part);
+    DrawPart(scene, items, clip_from_world, shear, part);
     ReadBack(part, frame);
   }
-  gl.Disable(GL_SCISSOR_TEST);
   return frame;
 }
 
@@ -596,7 +619,7 @@ RgbdFrame Renderer::Render(const SceneView& scene, const CameraModel& camera) {
   }
   still.light = scene.light;
   still.canvas_seed = scene.canvas_seed;
-  const bool over_backdrop = impl.backdrop.IsWorthIt(still, camera);
+  const bool over_backdrop = impl.backdrop.NoteLook(still, camera);
   if (over_backdrop && !impl.backdrop.kept()) {
     impl.backdrop.Keep(impl.Draw(still, camera, false));
   }

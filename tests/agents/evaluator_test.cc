@@ -30,6 +30,19 @@ EvaluationResult EvaluationOf(const Agent& agent, const EvaluationConfig& config
   return Evaluate(workers, agent, config, kNeverStop);
 }
 
+TEST(Evaluate, StoppedInTheMidstOfAnActionItSaysSo) {
+  for (const int jobs : {1, 2}) {
+    Workers workers(jobs, [] { return std::make_unique<TableWorld>(-1, 30); });
+    try {
+      Evaluate(workers, Expert(), {.episodes = 50}, StopRequested);
+      ADD_FAILURE() << "not stopped";
+    } catch (const RunError& e) {
+      EXPECT_THAT(e.what(), testing::HasSubstr("interrupted after "));
+    }
+    ForgetStop();
+  }
+}
+
 TEST(WilsonInterval, HasItsClosedForm) {
   // No success in n trials: [0, z^2 / (n + z^2)]; all of them: its mirror image.
   const double z2 = 1.959963984540054 * 1.959963984540054;

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/random.h"
+#include "base/stop.h"
 #include "tests/temporary_folder.h"
 
 namespace gusset {
@@ -19,8 +20,10 @@ namespace gusset {
 /// stands for everything else about the world.
 class TableWorld final : public Environment {
  public:
-  /// @param crash_at the Act (counted from 0, of this object) that throws; -1: none.
-  explicit TableWorld(int crash_at = -1) : crash_at_(crash_at) {}
+  /// @param crash_at, stop_at the Act (counted from 0, of this object) that throws, and during
+  /// which Ctrl-C is pressed; -1: none.
+  explicit TableWorld(int crash_at = -1, int stop_at = -1)
+      : crash_at_(crash_at), stop_at_(stop_at) {}
 
   std::vector<int> ActionCounts() const override { return {6, 6, 3, 9}; }
   Snapshot Start(StartKind kind, std::uint64_t seed) override {
@@ -37,6 +40,10 @@ class TableWorld final : public Environment {
     return {state_, {}};
   }
   Outcome Act(int action) override {
+    if (acts_ == stop_at_) RequestStop();
+    ThrowIfStopped();
+    if (acts_ == stop_at_) RequestStop();
+    ThrowIfStopped();
     if (acts_++ == crash_at_) throw RunError("the world came apart");
     Rng rng(DeriveSeed(world_, "act", sensor_seed_ * 64 + static_cast<std::uint64_t>(action)));
     const bool best = action == std::min(state_ + 1, ActionCounts()[At()] - 1);
@@ -69,6 +76,7 @@ class TableWorld final : public Environment {
   std::size_t At() const { return static_cast<std::size_t>(state_); }
 
   int crash_at_;
+  int stop_at_;
   int acts_ = 0;
   int state_ = 0;
   std::uint64_t world_ = 0;

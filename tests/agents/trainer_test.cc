@@ -66,6 +66,30 @@ class TrainerTest : public FolderTest {
   TrainSummary summary_;
 };
 
+// The action under way is given up, and that is no failure of the world.
+TEST_F(TrainerTest, StoppedInTheMidstOfAnActionItCanBeResumed) {
+  for (const char* protocol : {"pools", "chain"}) {
+    const TrainConfig config{.protocol = protocol, .steps = 5};
+    const RunFolder unbroken = NewFolder(std::string("unbroken_") + protocol);
+    ASSERT_EQ(Run(unbroken, config), "");
+    const RunFolder folder = NewFolder(protocol);
+    Workers workers(1, [] { return std::make_unique<TableWorld>(-1, 4); });
+    PiLearning agent = NewAgent(config);
+    try {
+      Train(workers, agent, config, folder, {{"bag", "none"}}, StopRequested);
+      ADD_FAILURE() << "not stopped";
+    } catch (const RunError& e) {
+      EXPECT_THAT(e.what(),
+                  testing::HasSubstr("interrupted after 4 actions; " + folder.root().string()));
+    }
+    ForgetStop();
+    EXPECT_EQ(Steps(folder).size(), 4u);
+    EXPECT_FALSE(Exists(folder.root() / "failed_step.json"));
+    ASSERT_EQ(Run(folder, config), "");
+    EXPECT_EQ(StepsWithoutClocks(folder), StepsWithoutClocks(unbroken));
+  }
+}
+
 TEST_F(TrainerTest, EveryStateGetsItsStepsInOrder) {
   const RunFolder folder = NewFolder("run");
   ASSERT_EQ(Run(folder, {.steps = 30}), "");

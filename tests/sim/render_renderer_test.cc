@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
+#include "sim/render/backdrop.h"
 #include "sim/render/bounds.h"
 #include "sim/render/renderer.h"
 #include "sim/render/statics.h"
@@ -17,6 +19,23 @@ namespace {
 constexpr double kCameraHeight_m = 1.066;
 
 CameraModel Overhead() { return OverheadCamera({}, kCameraHeight_m); }
+
+/// World to clip coordinates of the overhead camera, y down as rows are.
+Eigen::Matrix4f OverheadClip() {
+  const Pinhole p;
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Zero();
+  clip(0, 0) = static_cast<float>(2 * p.fx / p.width);
+  clip(0, 3) =
+      static_cast<float>((2 * p.cx + 1) / p.width - 1) * static_cast<float>(kCameraHeight_m);
+  clip(0, 2) = -clip(0, 3) / static_cast<float>(kCameraHeight_m);
+  clip(1, 1) = static_cast<float>(-2 * p.fy / p.height);
+  clip(1, 3) =
+      static_cast<float>((2 * p.cy + 1) / p.height - 1) * static_cast<float>(kCameraHeight_m);
+  clip(1, 2) = -clip(1, 3) / static_cast<float>(kCameraHeight_m);
+  clip(3, 2) = -1;
+  clip(3, 3) = static_cast<float>(kCameraHeight_m);
+  return clip;
+}
 
 RenderItem At(const TriMesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3f& rgb) {
   RenderItem item;
@@ -130,7 +149,7 @@ TEST_F(RenderedScene, FramesDoNotDependOnWhatWasDrawnBefore) {
   EXPECT_TRUE(Same(first, Renderer().Render(view_, Overhead())));
 }
 
-// From the third frame on of what stands still, only parts are drawn.
+// From the third look at what stands still, only parts are drawn.
 TEST_F(RenderedScene, OverABackdropFramesAreTheSame) {
   const CameraModel cameras[] = {Overhead(), LookAt({0.9, 0.8, 0.7}, {0, 0, 0.1}, {})};
   const TriMesh arm = BoxMesh({0.1, 0.5, 0.08});
@@ -141,8 +160,7 @@ TEST_F(RenderedScene, OverABackdropFramesAreTheSame) {
   for (const double elevation_deg : {62.0, 25.0}) {
     view_.light.elevation_deg = elevation_deg;
     for (const CameraModel& camera : cameras) {
-      renderer_.Render(view_, camera);
-      renderer_.Render(view_, camera);
+      for (int look = 0; look < 3; ++look) renderer_.Render(view_, camera);
       RgbdFrame last;
       for (const Eigen::Vector3d& at :
            {Eigen::Vector3d(0.42, 0, 0.0175), Eigen::Vector3d(-0.1, 0.1, 0.2),
@@ -162,6 +180,54 @@ TEST_F(RenderedScene, OverABackdropFramesAreTheSame) {
   EXPECT_GE(others, 20);  // of 24: but for those out of sight, places show
 }
 
+TEST_F(RenderedScene, ABackdropIsOfWhatStandsStillNow) {
+  TriMesh block = BoxMesh({0.1, 0.1, 0.05});
+  view_.items.push_back(At(block, {0.2, 0.25, 0.025}, {0.3f, 0.4f, 0.6f}));
+  view_.items.back().still = true;
+  const std::size_t last = view_.items.size() - 1;
+  const std::function<void()> changes[] = {
+      [&] { view_.canvas_seed = 7; },
+      [&] { view_.light.gain = 0.8; },
+      [&] { view_.items[kCanvasItem].rgb.x() += 0.1f; },
+      [&] { view_.items[kCanvasItem].mottle = 0.1f; },
+      [&] { view_.items[last].contrast = 0.8f; },
+      [&] { view_.items[last].X_WM.translation().x() += 0.05; },
+      [&] {
+        block = BoxMesh({0.05, 0.15, 0.08});
+      },
+      [&] { view_.items[last].still = false; },
+      [&] { view_.items.pop_back(); }};
+  RgbdFrame before = renderer_.Render(view_, Overhead());
+  for (std::size_t k = 0; k < std::size(changes); ++k) {
+    for (int look = 0; look < 3; ++look) before = renderer_.Render(view_, Overhead());
+    changes[k]();
+    const RgbdFrame after = renderer_.Render(view_, Overhead());
+    EXPECT_TRUE(Same(after, Renderer().Render(view_, Overhead()))) << "change " << k;
+    EXPECT_EQ(Same(after, before), k == 7) << "change " << k << " shows, but for a mere hint";
+  }
+}
+
+TEST_F(RenderedScene, ASmallThingChangesASmallPart) {
+  SceneView still = view_;
+  still.items.pop_back();
+  Backdrop backdrop;
+  EXPECT_FALSE(backdrop.NoteLook(still, Overhead()));
+  EXPECT_FALSE(backdrop.NoteLook(still, Overhead()));
+  EXPECT_TRUE(backdrop.NoteLook(still, Overhead()));
+  backdrop.Keep(renderer_.Render(still, Overhead()));
+  const Corners canvas = Bounds{{-0.34f, -0.34f, -0.02f}, {0.34f, 0.34f, 0}}.corners();
+  const Corners cube = Bounds{{0.1f, 0.1f, 0}, {0.135f, 0.135f, 0.035f}}.corners();
+  const std::vector<cv::Rect> parts = backdrop.ChangedParts(
+      {cube}, {canvas}, OverheadClip(), Eigen::Vector2f(-0.3f, 0.4f), 0.02f, 0.46f);
+  ASSERT_EQ(parts.size(), 1u);
+  // 35 mm are 20 px; the shadow reaches 18 mm further, and 20 mm more each way for its blur.
+  EXPECT_LT(parts[0].area(), 60 * 60);
+  EXPECT_GT(parts[0].area(), 40 * 40);
+  EXPECT_TRUE(backdrop.NoteLook(still, Overhead()));
+  EXPECT_FALSE(backdrop.NoteLook(view_, Overhead()));
+  EXPECT_FALSE(backdrop.kept());
+}
+
 TEST(PixelsOf, CoversThePixelsOfABoxAndFewMore) {
   const TriMesh box = BoxMesh({0.1, 0.06, 0.02});
   SceneView view;
@@ -169,19 +235,7 @@ TEST(PixelsOf, CoversThePixelsOfABoxAndFewMore) {
   Renderer renderer;
   const RgbdFrame frame = renderer.Render(view, Overhead());
   const cv::Rect seen = cv::boundingRect(cv::Mat(frame.depth_mm > 0));
-  // Clip coordinates of the overhead camera, y down as rows are.
-  const Pinhole p;
-  Eigen::Matrix4f clip = Eigen::Matrix4f::Zero();
-  clip(0, 0) = static_cast<float>(2 * p.fx / p.width);
-  clip(0, 3) =
-      static_cast<float>((2 * p.cx + 1) / p.width - 1) * static_cast<float>(kCameraHeight_m);
-  clip(0, 2) = -clip(0, 3) / static_cast<float>(kCameraHeight_m);
-  clip(1, 1) = static_cast<float>(-2 * p.fy / p.height);
-  clip(1, 3) =
-      static_cast<float>((2 * p.cy + 1) / p.height - 1) * static_cast<float>(kCameraHeight_m);
-  clip(1, 2) = -clip(1, 3) / static_cast<float>(kCameraHeight_m);
-  clip(3, 2) = -1;
-  clip(3, 3) = static_cast<float>(kCameraHeight_m);
+  const Eigen::Matrix4f clip = OverheadClip();
   const cv::Rect pixels =
       PixelsOf(Bounds{{0.05f, 0.02f, 0}, {0.15f, 0.08f, 0.02f}}.corners(), clip, {640, 480});
   EXPECT_EQ(pixels & seen, seen);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/stop.h"
 #include "sim/top_view.h"
 
 namespace gusset {
@@ -14,6 +15,13 @@ CameraModel Camera() { return OverheadCamera({615, 615, 320, 240, 640, 480}, 1.0
 int Area(const Cloth& cloth, const BagConfig& bag) {
   return LookAtBag(cloth.mesh(), cloth.state().x, MakeLabels(bag), Camera(), {0, 0, 640, 480})
       .bag_px;
+}
+
+TEST(MakeFoldedStart, IsGivenUpWhenAStopIsAskedFor) {
+  RequestStop();
+  EXPECT_THROW(MakeFoldedStart(BagConfig(), ClothSolverConfig(), StartConfig(), Camera(), false, 1),
+               Interrupted);
+  ForgetStop();
 }
 
 // Seeds of the three kinds: pushed, folded, dropped.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/stop.h"
 #include "sim/hand_scene.h"
 #include "sim/snapshot.h"
 #include "tests/sim/robot_fixture.h"
@@ -63,6 +64,16 @@ TEST(World, CubeRestsOnTheTableWhereItWaits) {
   EXPECT_LT(scene.world.cube().v_m_s.norm(), 0.003);
   EXPECT_FALSE(scene.world.cube_held());
   EXPECT_FALSE(scene.world.InsideBag(p));
+}
+
+TEST(World, StepsNoFurtherOnceAStopIsAskedFor) {
+  Scene scene;
+  scene.world.Settle(0.1);
+  const double before = scene.world.time_s();
+  RequestStop();
+  EXPECT_THROW(scene.world.Settle(0.1), Interrupted);
+  ForgetStop();
+  EXPECT_EQ(scene.world.time_s(), before);
 }
 
 TEST(World, AFlatBagFallsAsleepAndThenStaysAsItIs) {

@@ -14,7 +14,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -117,16 +116,6 @@ class Program {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return true;
-  }
-  // True if it has a handler for `signal`.
-  bool Catches(int signal) const {
-    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
-    for (std::string word; status >> word;) {
-      if (word != "SigCgt:") continue;
-      status >> word;
-      return (std::stoull(word, nullptr, 16) >> (signal - 1) & 1) != 0;
-    }
-    return false;
   }
 
  private:
@@ -284,24 +273,6 @@ TEST_F(TrainingRun, StoppedItSaysHowToGoOnAndEndsLikeTheUnbrokenRun) {
     ASSERT_FALSE(fs::exists(run / "policy.json"));
   }
   ExpectToEndLikeTheUnbrokenRun(Resume(run), run);
-}
-
-// Bags are folded again and again, and none is small enough.
-TEST_F(TrainingRun, StoppedInTheMidstOfAStartItGivesThatUp) {
-  ::setenv("GUSSET_CACHE", (dir_ / "no_cache").c_str(), 1);
-  const fs::path run = dir_ / "no_start";
-  std::vector<std::string> arguments = New(run);
-  for (const char* bound : {"starts.folded_area_min_px=100", "starts.folded_area_max_px=101"}) {
-    arguments.insert(arguments.end(), {"--set", bound});
-  }
-  Program gusset(arguments, dir_ / "err");
-  ASSERT_TRUE(gusset.WaitUntil([&] {
-    return gusset.Catches(SIGINT) && fs::exists(run / "run.json");
-  })) << gusset.Wait().err;
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  gusset.Send(SIGINT);
-  ExpectOneLine(gusset.Wait(), 1, "interrupted after 0 actions; " + run.string());
-  ::setenv("GUSSET_CACHE", (dir_ / "cache").c_str(), 1);
 }
 
 // The room runs out for one kind of file after the other, each larger than those before. Starts are

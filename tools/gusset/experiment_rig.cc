@@ -53,9 +53,11 @@ void SimExperimentRig::Train(const TrainingPlan& plan, int seed,
                 });
 }
 
-void SimExperimentRig::CheckTraining(const TrainingPlan& plan, int seed,
-                                     const std::filesystem::path& folder) {
+bool SimExperimentRig::HasTrained(const TrainingPlan& plan, int seed,
+                                  const std::filesystem::path& folder) {
+  if (!Exists(folder / "policy.json")) return false;
   (void)OpenRun(folder, SettingsOf(plan, seed));
+  return HasPictures(folder);
 }
 
 ExperimentRig::Subject SimExperimentRig::Open(const TrainingPlan& plan, const CellPlan& cell,

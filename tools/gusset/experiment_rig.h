@@ -18,8 +18,7 @@ class SimExperimentRig final : public ExperimentRig {
 
   void Train(const TrainingPlan& plan, int seed, const std::filesystem::path& folder,
              std::atomic<int>& count, const Stop& stop) override;
-  void CheckTraining(const TrainingPlan& plan, int seed,
-                     const std::filesystem::path& folder) override;
+  bool HasTrained(const TrainingPlan& plan, int seed, const std::filesystem::path& folder) override;
   Subject Open(const TrainingPlan& plan, const CellPlan& cell,
                const std::filesystem::path& folder) override;
 

@@ -153,6 +153,7 @@ class RenderCommand final : public Command {
     Snapshot world = environment.Start(KindOf(episode), DeriveSeed(seed_, "render start", episode));
     cv::Mat shown_before;
     for (int i = 0; i <= kActions && !Done(); ++i) {
+      ThrowIfStopped();
       const std::uint64_t index = episode * (kActions + 1) + static_cast<std::uint64_t>(i);
       const Percept percept = environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
       const FrameTruth truth = environment.testbed().Describe();
@@ -208,6 +209,7 @@ class RenderCommand final : public Command {
     }
     Keep(environment, truth, 0, labels);
     for (int look = 1; look < looks_; ++look) {
+      ThrowIfStopped();
       const auto k = static_cast<std::uint64_t>(look);
       environment.Begin(world, DeriveSeed(DeriveSeed(seed_, "render look", k), "world", index));
       // What varies may take labels away, and with them A_o and the state.

@@ -26,6 +26,7 @@ cv::Mat PaintSurface(const TopView& view, cv::Size size) {
 /// of which a sliver shows is one or two pixels off by centres alone, and each label counts for
 /// hundreds of px^2 of A_o.
 constexpr int kFiner = 3;
+static_assert(kFiner % 2 == 1);
 constexpr double kFiner2 = kFiner * kFiner;
 
 /// The camera with kFiner x kFiner pixels in place of each.
@@ -40,15 +41,15 @@ CameraModel Finer(CameraModel camera) {
   return camera;
 }
 
-// Centroids in the frame of the labels that show at least min_px2 pixels in the finer view of
-// `roi`.
-std::vector<cv::Point2d> LabelsSeen(const TopView& finer, const cv::Rect& roi, double min_px2) {
+// Centroids in the frame of the labels that show at least min_px2 pixels in `part`, of which
+// `finer` is the finer view.
+std::vector<cv::Point2d> LabelsSeen(const TopView& finer, const cv::Rect& part, double min_px2) {
   const cv::Point2d middle(kFiner / 2, kFiner / 2);
   std::vector<cv::Point2d> seen;
   for (std::size_t k = 0; k < finer.label_px.size(); ++k) {
     if (finer.label_px[k] < kFiner2 * min_px2) continue;
     const cv::Point2d centre(finer.label_centre_px[k].x(), finer.label_centre_px[k].y());
-    seen.push_back((centre - middle) / kFiner + cv::Point2d(roi.tl()));
+    seen.push_back((centre - middle) / kFiner + cv::Point2d(part.tl()));
   }
   return seen;
 }
@@ -88,13 +89,15 @@ FrameTruth SimReferee::Describe() {
   frame.surface = PaintSurface(view, size);
   frame.cube_px = view.cube_px;
 
-  const TopView finer =
-      LookAtBag(*drawn_, scene_.labels(), Finer(scene_.model()),
-                {kFiner * roi.x, kFiner * roi.y, kFiner * roi.width, kFiner * roi.height}, &cube);
-  const std::vector<cv::Point2d> labels = LabelsSeen(finer, roi, perception_.label_min_px2);
+  const cv::Mat bag(size, CV_8UC1, const_cast<unsigned char*>(view.mask.data()));
+  cv::Rect around = cv::boundingRect(bag);
+  around = cv::Rect(around.tl() - cv::Point(1, 1), around.br() + cv::Point(1, 1)) & roi;
+  const TopView finer = LookAtBag(
+      *drawn_, scene_.labels(), Finer(scene_.model()),
+      {kFiner * around.x, kFiner * around.y, kFiner * around.width, kFiner * around.height}, &cube);
+  const std::vector<cv::Point2d> labels = LabelsSeen(finer, around, perception_.label_min_px2);
   frame.labels_seen = static_cast<int>(labels.size());
   for (const int px : finer.label_px) frame.label_px2.push_back(px / kFiner2);
-  const cv::Mat bag(size, CV_8UC1, const_cast<unsigned char*>(view.mask.data()));
   truth.bag_area_px2 = finer.bag_px / kFiner2;
   truth.opening_area_px2 = MeasureOpening(labels).area_px2;
 

@@ -11,6 +11,7 @@
 #include "agents/report/contact_sheet.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/stop.h"
 #include "tools/gusset/testbed_env.h"
 
 namespace gusset {
@@ -28,11 +29,11 @@ std::string FirstDifference(const std::string& then, const std::string& now) {
   return "";
 }
 
-// How the mean reward of each state's pose points looks on a bag in that state.
-void DrawRewardMaps(const RunFolder& folder, const Settings& settings) {
-  const std::vector<LoggedStep> logged = ReadLoggedSteps(folder.steps());
-  WriteImage(folder.root() / "curve.png", DrawLearningCurve(logged, kActingStates));
+constexpr const char* kLastPicture = "curve.png";
 
+// How the mean reward of each state's pose points looks on a bag in that state, and the curve.
+void DrawPictures(const RunFolder& folder, const Settings& settings) {
+  const std::vector<LoggedStep> logged = ReadLoggedSteps(folder.steps());
   ConfigTree tree = settings.tree;
   TestbedEnv environment(MakeTestbed(tree), settings.bagging);
   const std::vector<nlohmann::json> steps = ReadRunSteps(folder.root());
@@ -49,6 +50,7 @@ void DrawRewardMaps(const RunFolder& folder, const Settings& settings) {
         DrawRewardMap(environment.bagging().frame_before().color, environment.bagging().before(),
                       MeanRewards(logged, s, AffordanceOf(s).points)));
   }
+  WriteImage(folder.root() / kLastPicture, DrawLearningCurve(logged, kActingStates));
 }
 
 RunFolder CreateRun(const std::filesystem::path& out, const Settings& settings) {
@@ -90,8 +92,15 @@ TrainSummary TrainInFolder(const std::filesystem::path& out, const Settings& set
     const auto train = [&] { return Train(workers, *agent, settings.train, folder, about, stop); };
     summary = settings.train.dump == "none" ? train() : WithContactSheet(folder.frames(), train);
   }
-  DrawRewardMaps(folder, settings);
+  try {
+    DrawPictures(folder, settings);
+  } catch (const Interrupted&) {
+    throw RunError("interrupted after the training, before all its pictures were drawn; " +
+                   folder.root().string() + " can be continued with --resume");
+  }
   return summary;
 }
+
+bool HasPictures(const std::filesystem::path& run) { return Exists(run / kLastPicture); }
 
 }  // namespace gusset

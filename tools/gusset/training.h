@@ -22,9 +22,12 @@ RunFolder OpenRun(const std::filesystem::path& out, const Settings& settings);
 /// trains to the end; draws learning curve and reward maps.
 /// @param jobs  worlds that run at once.
 /// @param wrap  if set, put round every world's environment.
-/// @throws InputError, RunError as Train does.
+/// @throws InputError, RunError as Train does; RunError if a stop is asked for while it draws.
 TrainSummary TrainInFolder(const std::filesystem::path& out, const Settings& settings, bool resume,
                            int jobs, const std::function<bool()>& stop,
                            const EnvironmentWrap& wrap = {});
+
+/// Whether the pictures of the training in `run` were all drawn.
+bool HasPictures(const std::filesystem::path& run);
 
 }  // namespace gusset

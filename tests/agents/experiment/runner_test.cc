@@ -20,7 +20,7 @@ using testing::HasSubstr;
 // Trains Pi-learning in TableWorld whatever the plan says, and tries its policies there.
 class TableRig final : public ExperimentRig {
  public:
-  explicit TableRig(int crash_at = -1) : crash_at_(crash_at) {}
+  explicit TableRig(int crash_at = -1, int stop_at = -1) : crash_at_(crash_at), stop_at_(stop_at) {}
 
   void Train(const TrainingPlan& plan, int seed, const std::filesystem::path& folder,
              std::atomic<int>& count, const Stop& stop) override {
@@ -30,14 +30,19 @@ class TableRig final : public ExperimentRig {
                               ? RunFolder::Open(folder)
                               : RunFolder::Create(folder, "", {{"versions", {{"table", "1"}}}});
     Workers workers(1, [&] {
-      return std::make_unique<CountingEnvironment>(std::make_unique<TableWorld>(crash_at_), count);
+      return std::make_unique<CountingEnvironment>(
+          std::make_unique<TableWorld>(crash_at_, stop_at_), count);
     });
     PiLearning agent = NewAgent(plan);
     // Small pools: each action is synced to the disk.
     gusset::Train(workers, agent, {.steps = plan.steps, .seed = seed, .pool_min = 4}, run, {},
                   stop);
   }
-  void CheckTraining(const TrainingPlan&, int, const std::filesystem::path&) override { ++checked; }
+  bool HasTrained(const TrainingPlan&, int, const std::filesystem::path& folder) override {
+    if (!Exists(folder / "policy.json")) return false;
+    ++checked;
+    return true;
+  }
   Subject Open(const TrainingPlan& plan, const CellPlan&,
                const std::filesystem::path& folder) override {
     ++opened;
@@ -45,8 +50,8 @@ class TableRig final : public ExperimentRig {
     LoadPolicy(PolicyFile(folder), *agent);
     return {std::move(agent),
             [this] {
-              return std::make_unique<CountingEnvironment>(std::make_unique<TableWorld>(crash_at_),
-                                                           tried);
+              return std::make_unique<CountingEnvironment>(
+                  std::make_unique<TableWorld>(crash_at_, stop_at_), tried);
             },
             {{"table", "1"}},
             "table 1"};
@@ -62,6 +67,7 @@ class TableRig final : public ExperimentRig {
     return PiLearning({.steps_per_state = plan.steps}, TableWorld().ActionCounts());
   }
   int crash_at_;
+  int stop_at_;
 };
 
 using Line = std::map<std::string, std::string>;
@@ -142,6 +148,29 @@ class ExperimentTest : public FolderTest {
                                          "published" / "thesis.toml");
   ExperimentProgress progress_;
 };
+
+// In a training and, where each of those has fewer actions, in a trial.
+TEST_F(ExperimentTest, StoppedInTheMidstOfAnActionItGoesOnToTheSameEnd) {
+  TableRig unbroken;
+  Run(dir_ / "unbroken", unbroken);
+  for (const int stop_at : {7, 25}) {
+    const std::filesystem::path out = dir_ / std::to_string(stop_at);
+    int stops = 0;
+    for (bool over = false; !over;) {
+      TableRig rig(-1, stops == 0 ? stop_at : -1);
+      try {
+        EXPECT_TRUE(Run(out, rig, 1, StopRequested).failed.empty());
+        over = true;
+      } catch (const RunError& e) {
+        EXPECT_THAT(e.what(), HasSubstr("interrupted after "));
+        ++stops;
+      }
+      ForgetStop();
+    }
+    EXPECT_EQ(stops, 1);
+    EXPECT_EQ(Comparable(out), Comparable(dir_ / "unbroken"));
+  }
+}
 
 TEST_F(ExperimentTest, TheResultSetHasALineForEverySeedAndAPooledOne) {
   TableRig rig;

@@ -73,7 +73,7 @@ nlohmann::ordered_json RunMeasurements(const BenchContext& context,
   document["detail"] = nlohmann::ordered_json::object();
   for (const Measurement& m : Measurements()) {
     if (!Wanted(m, only) || (context.quick && !m.in_quick)) continue;
-    if (StopRequested()) throw RunError("bench: interrupted");
+    ThrowIfStopped();
     spdlog::info("measuring {}", m.figures.front());
     const Measured measured = m.measure(context);
     for (const auto& [figure, value] : measured.figures.items()) {
