@@ -17,6 +17,7 @@
 #include "base/gravity.h"
 #include "base/stop.h"
 #include "sim/cloth/bullet_cloth.h"
+#include "sim/pedestal.h"
 
 namespace gusset {
 namespace {
@@ -104,6 +105,14 @@ struct World::Impl {
     floor->setFriction(1);
     world->addRigidBody(floor.get());
 
+    const Pedestal block;
+    pedestal_shape = std::make_unique<btBoxShape>(ToBullet(0.5 * block.size_m));
+    pedestal_shape->setMargin(kShapeMargin_m);
+    pedestal = std::make_unique<btRigidBody>(0, nullptr, pedestal_shape.get());
+    pedestal->setWorldTransform(btTransform(btQuaternion::getIdentity(), ToBullet(block.centre_m)));
+    pedestal->setFriction(1);
+    world->addRigidBody(pedestal.get());
+
     const btScalar half = btScalar(0.5 * config.cube_side_m);
     cube_shape = std::make_unique<btBoxShape>(btVector3(half, half, half));
     cube_shape->setMargin(kShapeMargin_m);
@@ -126,6 +135,12 @@ struct World::Impl {
     for (std::size_t l = 0; l < arm.robot().links().size(); ++l) {
       for (const CollisionShape& c : arm.robot().links()[l].collisions) AddLinkShape(int(l), c);
     }
+    RigidShape pedestal_rigid;
+    pedestal_rigid.half = (0.5 * block.size_m).cast<float>();
+    pedestal_rigid.friction = static_cast<float>(bag.friction_table);
+    pedestal_rigid.X_WS.translation() = block.centre_m.cast<float>();
+    pedestal_rigid.X_WS_prev = pedestal_rigid.X_WS;
+    shapes.push_back(pedestal_rigid);
     X_WL.assign(arm.robot().links().size(), Eigen::Isometry3d::Identity());
     anchor_shape = std::make_unique<btSphereShape>(0.001f);
     anchor = std::make_unique<btRigidBody>(0, nullptr, anchor_shape.get());
@@ -149,6 +164,7 @@ struct World::Impl {
     world->removeRigidBody(anchor.get());
     for (LinkShape& l : links) world->removeRigidBody(l.body.get());
     world->removeRigidBody(cube.get());
+    world->removeRigidBody(pedestal.get());
     world->removeRigidBody(floor.get());
     world->removeRigidBody(table.get());
   }
@@ -324,7 +340,7 @@ struct World::Impl {
     const Vec3f cube_p = shapes[0].X_WS.translation();
     const Vec3f cube_r =
         Vec3f::Constant(static_cast<float>(0.87 * config.cube_side_m + config.wake_distance_m));
-    for (std::size_t s = 1; s < shapes.size(); ++s) {
+    for (std::size_t s = 1; s <= links.size(); ++s) {
       const Vec3f p = shapes[s].X_WS.translation();
       const Vec3f r = shapes[s].X_WS.linear().cwiseAbs() * shapes[s].half;
       const bool in_bounds =
@@ -362,13 +378,13 @@ struct World::Impl {
   btSequentialImpulseConstraintSolver rigid_solver;
   std::unique_ptr<btCollisionDispatcher> dispatcher;
   std::unique_ptr<btSoftRigidDynamicsWorld> world;
-  std::unique_ptr<btBoxShape> table_shape, floor_shape, cube_shape;
+  std::unique_ptr<btBoxShape> table_shape, floor_shape, pedestal_shape, cube_shape;
   std::unique_ptr<btSphereShape> anchor_shape;
-  std::unique_ptr<btRigidBody> table, floor, cube, anchor;
+  std::unique_ptr<btRigidBody> table, floor, pedestal, cube, anchor;
   std::unique_ptr<btSoftBody> soft_body;
   std::unique_ptr<btGeneric6DofSpring2Constraint> cube_hold;
   std::vector<LinkShape> links;
-  std::vector<RigidShape> shapes;  // the cube, then the links' in the order of `links`
+  std::vector<RigidShape> shapes;  // the cube, the links' in the order of `links`, the pedestal
   std::vector<std::size_t> finger_a, finger_b;
   std::vector<Eigen::Isometry3d> X_WL;
   int tip_link = 0;
@@ -460,7 +476,7 @@ void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_openi
   w.shapes[0].X_WS = FromBullet(w.cube->getWorldTransform()).cast<float>();
 
   Eigen::Vector3d force = w.cloth.hold_force_N().cast<double>() + w.CubeForce();
-  for (std::size_t s = 1; s < w.shapes.size(); ++s) {
+  for (std::size_t s = 1; s <= w.links.size(); ++s) {
     const RigidShape& shape = w.shapes[s];
     force += shape.impulse.cast<double>() / w.h + shape.squeeze.cast<double>();
     force.z() += w.TableForce(shape);

@@ -1,5 +1,7 @@
 #include "sim/render/statics.h"
 
+#include "sim/pedestal.h"
+
 namespace gusset {
 
 TriMesh BoxMesh(const Eigen::Vector3d& size_m) {
@@ -25,7 +27,7 @@ Statics::Statics() {
       {{0.68, 0.68, 0.020}, {0, 0, -0.010}, {0.085f, 0.115f, 0.120f}, 0.30f},
       {{2.00, 1.80, 0.049}, {0, 0, -0.0255}, {0.86f, 0.87f, 0.88f}, 0.02f},
       {{8.00, 8.00, 0.040}, {0, 0, -0.77}, {0.42f, 0.43f, 0.45f}, 0.0f},
-      {{0.25, 0.25, 0.400}, {0, -0.44, 0.20}, {0.33f, 0.34f, 0.36f}, 0.0f},
+      {Pedestal().size_m, Pedestal().centre_m, {0.33f, 0.34f, 0.36f}, 0.0f},
   };
   meshes_.reserve(std::size(blocks));  // items point into it
   for (const Block& block : blocks) {

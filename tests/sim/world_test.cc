@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "base/error.h"
 #include "base/stop.h"
 #include "sim/hand_scene.h"
+#include "sim/pedestal.h"
 #include "sim/snapshot.h"
 #include "tests/sim/robot_fixture.h"
 
@@ -74,6 +77,45 @@ TEST(World, StepsNoFurtherOnceAStopIsAskedFor) {
   EXPECT_THROW(scene.world.Settle(0.1), Interrupted);
   ForgetStop();
   EXPECT_EQ(scene.world.time_s(), before);
+}
+
+TEST(World, TheCubeStopsAtTheArmsPedestal) {
+  WorldState state = Scene().world.state();
+  state.cube.X_WB.translation() = Eigen::Vector3d(0.02, -0.24, 0.0175);
+  state.cube.v_m_s = {0, -1.5, 0};
+  Scene scene(state);
+  double least_y = 0;
+  for (int i = 0; i < 600; ++i) {
+    scene.Steps(1);
+    least_y = std::min(least_y, scene.world.cube().X_WB.translation().y());
+  }
+  // Its middle is half a side from the pedestal's face when it touches.
+  const double face_y = Pedestal().centre_m.y() + 0.5 * Pedestal().size_m.y();
+  EXPECT_NEAR(least_y, face_y + 0.0175, 0.003);
+}
+
+// Its far edge lies 25 mm over the pedestal's: it tips and slides down in front of it.
+TEST(World, ABagSlidesOffTheArmsPedestal) {
+  WorldState state = Scene().world.state();
+  const double face_y = Pedestal().centre_m.y() + 0.5 * Pedestal().size_m.y();
+  const double top_m = Pedestal().centre_m.z() + 0.5 * Pedestal().size_m.z();
+  float least_y = 0;
+  for (const Vec3f& p : state.cloth.x) least_y = std::min(least_y, p.y());
+  const Vec3f there(0, static_cast<float>(face_y - 0.025) - least_y,
+                    static_cast<float>(top_m + 0.005));
+  for (Vec3f& p : state.cloth.x) p += there;
+  Scene scene(state);
+  double deepest_m = 0, lowest_m = top_m;
+  for (int i = 0; i < 900; ++i) {
+    scene.Steps(1);
+    for (const Vec3f& p : scene.world.cloth().state().x) {
+      lowest_m = std::min<double>(lowest_m, p.z());
+      if (std::abs(p.x()) > 0.12f) continue;
+      deepest_m = std::max(deepest_m, std::min(face_y - p.y(), top_m - p.z()));
+    }
+  }
+  EXPECT_LT(deepest_m, 0.003);
+  EXPECT_LT(lowest_m, 0.005) << "it has come down";
 }
 
 TEST(World, AFlatBagFallsAsleepAndThenStaysAsItIs) {
