@@ -310,7 +310,8 @@ TEST_F(TrainingRun, WithoutRoomOnTheDiskItNamesTheFileAndDamagesNothing) {
   EXPECT_EQ(Lines(run), ActionsKept(run)) << "half a line was cut off";
   EXPECT_FALSE(fs::exists(run / "policy.json"));
 
-  expect_to_fail(Resume(run), fs::file_size(unbroken_run_ / "curve.png") - 1, "curve.png");
+  const char* picture = "reward_map_s0.png";
+  expect_to_fail(Resume(run), fs::file_size(unbroken_run_ / picture) - 1, picture);
   EXPECT_TRUE(ReadFile(run / "policy.json") == unbroken_.at("policy.json"));
   ExpectToEndLikeTheUnbrokenRun(Resume(run), run);
   ::setenv("GUSSET_CACHE", (dir_ / "cache").c_str(), 1);
