@@ -369,6 +369,23 @@ TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
   Write("results.csv", "table\n");
   ExpectRefused("report " + dir_.string() + page, "results.csv:1: column row is missing");
   ExpectRefused("evaluate --policy " + Write("p.json", "{").string(), "p.json");
+  const std::string out = (dir_ / "x").string();
+  ExpectRefused("play --policy " + (dir_ / "p.json").string() + " --out " + out, "p.json");
+  EXPECT_FALSE(fs::exists(out)) << "nothing to look at was left";
+  Write("config.toml", "");
+  const std::string play = "play --run " + dir_.string() + " --out " + out + " --step ";
+  const auto line = [](int step, int state, int action) {
+    const nlohmann::json json = {{"step", step},
+                                 {"state", state},
+                                 {"action", action},
+                                 {"sensor_seed", 1},
+                                 {"from", {{"seed", 1}}}};
+    return json.dump() + "\n";
+  };
+  Write("steps.jsonl", line(0, 0, 81) + line(1, 7, 0));
+  ExpectRefused(play + "0", "steps.jsonl:1: action");
+  ExpectRefused(play + "1", "steps.jsonl:2: state");
+  ExpectRefused(play + "2", "has 2 steps");
 }
 
 }  // namespace

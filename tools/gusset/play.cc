@@ -81,21 +81,22 @@ class PlayCommand final : public Command {
     const std::string source = run_.empty() ? policy_ : run_;
     const std::filesystem::path base = source == "random" ? "" : ConfigBeside(source);
     Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
+    // Before the folder, which would be left empty by a policy that is none.
+    const std::unique_ptr<Agent> agent = run_.empty() ? LoadAgent(policy_, settings) : nullptr;
     MakeFolder(out_);
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
     environment.ShowFromTheSide();
-    run_.empty() ? PlayEpisode(settings, environment) : RepeatStep(settings, environment);
+    agent ? PlayEpisode(settings, *agent, environment) : RepeatStep(settings, environment);
     if (dump_ != "none") WriteContactSheet(out_);
   }
 
  private:
-  void PlayEpisode(const Settings& settings, TestbedEnv& environment) const {
-    const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
+  void PlayEpisode(const Settings& settings, const Agent& agent, TestbedEnv& environment) const {
     Episode episode;
     EpisodeFrames frames(dump_, std::filesystem::path(out_) / "action");
     {
       EpisodeVideo video(std::filesystem::path(out_) / "episode.mp4", environment);
-      episode = RunEpisode(environment, Announced(*agent, settings.bagging, video),
+      episode = RunEpisode(environment, Announced(agent, settings.bagging, video),
                            {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0, &frames);
     }
     frames.Finish(episode.true_success);
@@ -121,17 +122,32 @@ class PlayCommand final : public Command {
     WriteFileAtomic(std::filesystem::path(out_) / "episode.json", JsonText(document));
   }
 
+  /// A number of the step to repeat. @throws InputError naming file and line.
+  int Logged(const char* field, int least, int most) const {
+    try {
+      return JsonField<int>(steps_.at(static_cast<std::size_t>(step_)), field, least, most);
+    } catch (const InputError& e) {
+      throw InputError(run_ + "/steps.jsonl:" + std::to_string(step_ + 1) + ": " + e.what());
+    }
+  }
+
   void RepeatStep(const Settings& settings, TestbedEnv& environment) const {
+    if (step_ < 0 || step_ >= static_cast<int>(steps_.size())) {
+      throw InputError("--step " + std::to_string(step_) + ": " + run_ + " has " +
+                       std::to_string(steps_.size()) + " steps, from 0 on");
+    }
+    // Before the world, which takes as long as all that led to it.
+    const int state = Logged("state", 0, kActingStates - 1);
+    const int on_offer = environment.ActionCounts().at(static_cast<std::size_t>(state));
+    const int action = Logged("action", 0, on_offer - 1);
     const Snapshot world = WorldBefore(environment, steps_, step_);
     const nlohmann::json& line = steps_.at(static_cast<std::size_t>(step_));
     const Percept percept = environment.Begin(world, JsonField<std::uint64_t>(line, "sensor_seed"));
-    if (percept.state != JsonField<int>(line, "state", 0, kActingStates - 1)) {
+    if (percept.state != state) {
       throw RunError("step " + std::to_string(step_) +
                      " does not come out as logged: the bag is in s" +
                      std::to_string(percept.state));
     }
-    const int on_offer = environment.ActionCounts().at(static_cast<std::size_t>(percept.state));
-    const int action = JsonField<int>(line, "action", 0, on_offer - 1);
     const std::string caption = Caption(settings.bagging, percept.state, action);
     EpisodeVideo video(std::filesystem::path(out_) / "action.mp4", environment);
     video.Say(caption);
