@@ -46,6 +46,9 @@ constexpr double kOffMiddle = 0.5;
 
 using Contour = std::vector<cv::Point>;
 
+/// What a label that shows `label_min_px2` is seen with.
+double LeastArea(const PerceptionConfig& config) { return config.label_min_px2 - kLost_px2; }
+
 struct Pixel {
   cv::Point2d at;
   double cover;  ///< 0..1.
@@ -200,7 +203,7 @@ void AddLabels(const std::vector<Pixel>& spot, const cv::Mat& bag, const Percept
                std::vector<Label>& labels) {
   const auto add = [&](const Moments& m) { labels.push_back({m.centroid, m.area}); };
   const Moments moments = MomentsOf(spot);
-  const double least_area = config.label_min_px2 - kLost_px2;
+  const double least_area = LeastArea(config);
   if (moments.area < least_area) return;
   const bool several =
       moments.length > config.label_length_px + kBlur_px ||
@@ -304,8 +307,7 @@ std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most
     }
     if (in_parts) {
       const Moments whole = MomentsOf(pixels);
-      if (whole.area >= config.label_min_px2 - kLost_px2)
-        labels.push_back({whole.centroid, whole.area});
+      if (whole.area >= LeastArea(config)) labels.push_back({whole.centroid, whole.area});
     } else {
       AddLabels(pixels, bag, config, labels);
     }

@@ -143,7 +143,8 @@ struct Renderer::Impl {
     bounds.hi.array() += cloth.surface->half_thickness_m();
     return bounds.corners();
   }
-  std::vector<cv::Rect> ChangedParts(const std::vector<PlacedItem>& items, bool has_cloth,
+  std::vector<cv::Rect> ChangedParts(const std::vector<PlacedItem>& items,
+                                     const std::optional<Corners>& around_cloth,
                                      const Eigen::Matrix4f& clip_from_world,
                                      const Eigen::Vector2d& shear) const;
   RgbdFrame Draw(const SceneView& scene, const CameraModel& camera, bool over_backdrop);
@@ -151,8 +152,8 @@ struct Renderer::Impl {
                      const Eigen::Vector2d& shear);
   void SetLight(const LightConfig& light, const Eigen::Vector2d& shear);
   void DrawPart(const SceneView& scene, const std::vector<PlacedItem>& items,
-                const Eigen::Matrix4f& clip_from_world, const Eigen::Vector2d& shear,
-                const cv::Rect& part);
+                const std::optional<Corners>& around_cloth, const Eigen::Matrix4f& clip_from_world,
+                const Eigen::Vector2d& shear, const cv::Rect& part);
   void DrawItems(const LightConfig& light, const std::vector<PlacedItem>& items,
                  const Eigen::Matrix4f& clip_from_world, const cv::Rect& part, bool standing);
   void DrawCloth(const SceneView& scene, const Eigen::Matrix4f& clip_from_world);
@@ -532,6 +533,7 @@ void Renderer::Impl::ReadBack(const cv::Rect& part, RgbdFrame& frame) {
 }
 
 void Renderer::Impl::DrawPart(const SceneView& scene, const std::vector<PlacedItem>& items,
+                              const std::optional<Corners>& around_cloth,
                               const Eigen::Matrix4f& clip_from_world, const Eigen::Vector2d& shear,
                               const cv::Rect& part) {
   gl.Scissor(part.x, part.y, part.width, part.height);
@@ -540,8 +542,8 @@ void Renderer::Impl::DrawPart(const SceneView& scene, const std::vector<PlacedIt
   Use(rigid_program);
   SetLight(scene.light, shear);
   DrawItems(scene.light, items, clip_from_world, part, /*standing=*/true);
-  if (!scene.cloth.x.empty() &&
-      !(PixelsOf(ClothCorners(), clip_from_world, {width, height_px}) & part).empty()) {
+  if (around_cloth &&
+      !(PixelsOf(*around_cloth, clip_from_world, {width, height_px}) & part).empty()) {
     Use(cloth_program);
     SetLight(scene.light, shear);
     DrawCloth(scene, clip_from_world);
@@ -552,14 +554,14 @@ void Renderer::Impl::DrawPart(const SceneView& scene, const std::vector<PlacedIt
 
 // Where the scene looks other than the backdrop.
 std::vector<cv::Rect> Renderer::Impl::ChangedParts(const std::vector<PlacedItem>& items,
-                                                   bool has_cloth,
+                                                   const std::optional<Corners>& around_cloth,
                                                    const Eigen::Matrix4f& clip_from_world,
                                                    const Eigen::Vector2d& shear) const {
   std::vector<Corners> moving, still;
   for (const PlacedItem& placed : items) {
     (placed.item->still ? still : moving).push_back(placed.corners);
   }
-  if (has_cloth) moving.push_back(ClothCorners());
+  if (around_cloth) moving.push_back(*around_cloth);
   // The blur's window reaches four texels, each look-up to the next one, and one is for rounding.
   constexpr double kTexel_m = 2 * kGroundHalf_m / kGroundPixels;
   constexpr auto kReach_m = static_cast<float>((kBlurWindow / 2 + 2) * kTexel_m);
@@ -572,6 +574,8 @@ RgbdFrame Renderer::Impl::Draw(const SceneView& scene, const CameraModel& camera
   const Eigen::Vector3d light = TowardsLight(scene.light);
   const Eigen::Vector2d shear = light.head<2>() / light.z();
   const std::vector<PlacedItem> items = Place(scene);
+  std::optional<Corners> around_cloth;
+  if (!scene.cloth.x.empty()) around_cloth = ClothCorners();
   DrawGroundMap(scene, items, shear);
 
   const Eigen::Matrix4f clip_from_world = ClipFromWorld(camera);
@@ -579,7 +583,7 @@ RgbdFrame Renderer::Impl::Draw(const SceneView& scene, const CameraModel& camera
   std::vector<cv::Rect> parts;
   if (over_backdrop) {
     frame = {backdrop.frame().color.clone(), backdrop.frame().depth_mm.clone()};
-    parts = ChangedParts(items, !scene.cloth.x.empty(), clip_from_world, shear);
+    parts = ChangedParts(items, around_cloth, clip_from_world, shear);
   } else {
     frame.color.create(height_px, width, CV_8UC3);
     frame.depth_mm.create(height_px, width, CV_16UC1);
@@ -589,7 +593,7 @@ RgbdFrame Renderer::Impl::Draw(const SceneView& scene, const CameraModel& camera
   gl.Viewport(0, 0, width, height_px);
   gl.Enable(GL_SCISSOR_TEST);
   for (const cv::Rect& part : parts) {
-    DrawPart(scene, items, clip_from_world, shear, part);
+    DrawPart(scene, items, around_cloth, clip_from_world, shear, part);
     ReadBack(part, frame);
   }
   return frame;
