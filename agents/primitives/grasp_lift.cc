@@ -38,7 +38,7 @@ Vector3d SeizeEdge(ToolMotion& tool, const Vector3d& way, const Press& press,
       tool.Seize(At(at(probe), 0), config.opening_m, press);
       return at(probe);
     }
-    tool.GoUntilContact(At(at(probe), 0), press.force_N);
+    tool.GoUntilContact(At(at(probe), 0), press);
     if (tool.Close()) return at(probe);
     tool.Fingers(config.opening_m);
     tool.Go(At(at(probe), kNear_m), motion.descend_speed_m_s);
@@ -80,7 +80,8 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   const Vector3d grasp = Reachable(config.reach_m, p_W, centre_W);
   const Vector3d left = LeftOf(along);
   const Vector3d side = parameter % 2 == 1 ? left : Vector3d(-left);
-  const Press press{config.contact_force_N, config.retries, config.press_factor};
+  const Press press{config.touch_speed_m_s, config.contact_force_N, config.retries,
+                    config.press_factor};
 
   // tau_grasp. A crumpled bag may stand higher than the approach.
   tool.Fingers(config.opening_m);

@@ -8,11 +8,13 @@ namespace gusset {
 /// fingertips above the table; lengths lie in the table's plane. All tuned, 2026-11, on folded
 /// starts of Bag 1 (docs/primitives.md).
 struct GraspLiftConfig {
-  double opening_m = 0.025;      ///< Fingers go down so far apart: wider, they gather more plies.
-  double contact_force_N = 0.7;  ///< Felt on the way down: close there (with more, they gather the
-                                 ///< plies of both halves of a folded bag) ...
-  int retries = 3;               ///< ... and if nothing is between the pads then, so often again,
-  double press_factor = 1.6;     ///< pressing so many times as hard.
+  double opening_m = 0.025;       ///< Fingers go down so far apart: wider, they gather more plies.
+  double touch_speed_m_s = 0.04;  ///< Down onto the cloth: folds give way further than one layer,
+                                  ///< so not as slowly as MotionConfig::guarded_speed_m_s.
+  double contact_force_N = 0.7;   ///< Felt on the way down: close there (with more, they gather the
+                                  ///< plies of both halves of a folded bag) ...
+  int retries = 3;                ///< ... and if nothing is between the pads then, so often again,
+  double press_factor = 1.6;      ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
   double lift_low_m = 0.27;    ///< Height for parameter 0 ...
   double lift_step_m = 0.006;  ///< ... and from one parameter to the next.
@@ -38,6 +40,7 @@ struct GraspLiftConfig {
   template <class V>
   void Fields(V& v) {
     v("opening_m", opening_m, Range{0.01, 0.085});
+    v("touch_speed_m_s", touch_speed_m_s, Range{0.002, 0.25});
     v("contact_force_N", contact_force_N, Range{0.5, 10});
     v("retries", retries, Range{0, 10});
     v("press_factor", press_factor, Range{1, 3});

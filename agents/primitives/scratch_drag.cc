@@ -16,17 +16,19 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
   tool.Approach(At(p_W, motion.approach_m), AngleOf(along_W));
   tool.Go(At(p_W, p_W.z() + 0.02), motion.descend_speed_m_s);
   // Thick cloth between the pads is mostly both layers: let go of it and try beside it, where the
-  // cloth is not rucked up yet. Where they closed on nothing, cloth is too taut to be gathered; the
-  // same grasp would fail again and again.
+  // cloth is not rucked up yet. Where they closed on nothing, cloth is too taut to be gathered so
+  // lightly; the same grasp would fail again and again, so the last one is firm.
   const Eigen::Vector3d aside =
       (along_W.dot(drag_W) < 0 ? -config.aside_m : config.aside_m) * along_W;
   Eigen::Vector3d grasp_W = p_W;
+  Press press{motion.guarded_speed_m_s, config.touch_force_N, config.retries, config.press_factor};
+  bool caught = false;
   for (int moved = 0;; ++moved) {
-    const double touched = tool.Seize(At(grasp_W, -0.005), config.opening_m,
-                                      {config.touch_force_N, config.retries, config.press_factor})
-                               .z();
+    if (moved > 0 && moved == config.asides && !caught) press.force_N = config.firm_force_N;
+    const double touched = tool.Seize(At(grasp_W, -0.005), config.opening_m, press).z();
     const bool one_layer = tool.Holds() && tool.opening_m() <= config.stack_m;
     if (one_layer || moved == config.asides) return At(grasp_W, touched);
+    caught = caught || tool.Holds();
     tool.Fingers(config.opening_m);
     tool.Go(At(grasp_W, touched + 0.02), motion.descend_speed_m_s);
     grasp_W += aside;

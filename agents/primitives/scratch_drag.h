@@ -15,7 +15,8 @@ struct ScratchDragConfig {
   double press_factor = 1.2;   ///< pressing so many times as hard.
   double stack_m = 0.0105;     ///< More than this between the closed pads is taken for both layers.
   int asides = 2;              ///< Then, or still without any, the fingers try again so often ...
-  double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes.
+  double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes, ...
+  double firm_force_N = 6;     ///< ... pressing so hard the last time if none caught anything.
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
   double drag_m = 0.175;       ///< ... and dragged so far towards the target: a shorter flap of
                                ///< canvas springs back, and the further, the closer the lip draws
@@ -35,6 +36,7 @@ struct ScratchDragConfig {
     v("stack_m", stack_m, Range{0, 0.085});
     v("asides", asides, Range{0, 10});
     v("aside_m", aside_m, Range{0, 0.1});
+    v("firm_force_N", firm_force_N, Range{0.2, 20});
     v("lift_m", lift_m, Range{0.01, 0.25});
     v("drag_m", drag_m, Range{0.02, 0.5});
     v("drag_speed_m_s", drag_speed_m_s, Range{0.01, 1});

@@ -74,21 +74,19 @@ void ToolMotion::GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double
   Finish(robot_.MoveTo(Pose(tilt * DownwardTool(closing_rad), p_W), speed_m_s), "tilted move");
 }
 
-Eigen::Vector3d ToolMotion::GoUntilContact(const Eigen::Vector3d& p_W, double force_N) {
+Eigen::Vector3d ToolMotion::GoUntilContact(const Eigen::Vector3d& p_W, const Press& press) {
   const MoveResult result =
-      robot_.MoveUntilContact(Pose(R_WT_, p_W), config_.guarded_speed_m_s, force_N);
+      robot_.MoveUntilContact(Pose(R_WT_, p_W), press.speed_m_s, press.force_N);
   Finish(result, "guarded move");
   return result.X_WT.translation();
 }
 
-Eigen::Vector3d ToolMotion::Seize(const Eigen::Vector3d& lowest_W, double opening_m,
-                                  const Press& press) {
-  double force_N = press.force_N;
+Eigen::Vector3d ToolMotion::Seize(const Eigen::Vector3d& lowest_W, double opening_m, Press press) {
   for (int retry = 0;; ++retry) {
-    const Eigen::Vector3d touched_W = GoUntilContact(lowest_W, force_N);
+    const Eigen::Vector3d touched_W = GoUntilContact(lowest_W, press);
     if (Close() || retry == press.retries) return touched_W;
     Fingers(opening_m);
-    force_N *= press.factor;
+    press.force_N *= press.factor;
   }
 }
 

@@ -59,9 +59,10 @@ Eigen::Vector3d LeftOf(const Eigen::Vector3d& v);
 /// v, shortened to most_m if it is longer.
 Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v);
 
-/// How hard a grasp presses on what it grasps.
+/// How a grasp comes down, and how hard it presses on what it grasps.
 struct Press {
-  double force_N = 1;
+  double speed_m_s = 0;
+  double force_N = 0;
   int retries = 0;    ///< If the fingers close on nothing, so often again ...
   double factor = 1;  ///< ... each time so many times as hard.
 };
@@ -85,11 +86,15 @@ class ToolMotion {
   /// Straight line to p_W, the tool meanwhile turning to tilt_rad in the vertical plane through the
   /// arm's base (> 0: fingertips lean away from it) from straight down with this closing angle.
   void GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double tilt_rad, double speed_m_s);
-  /// Straight line to p_W until force_N is felt. @returns where it ended.
-  Eigen::Vector3d GoUntilContact(const Eigen::Vector3d& p_W, double force_N);
+  /// Straight line to p_W at guarded_speed_m_s until force_N is felt. @returns where it ended.
+  Eigen::Vector3d GoUntilContact(const Eigen::Vector3d& p_W, double force_N) {
+    return GoUntilContact(p_W, Press{config_.guarded_speed_m_s, force_N});
+  }
+  /// The same as a grasp does it.
+  Eigen::Vector3d GoUntilContact(const Eigen::Vector3d& p_W, const Press& press);
   /// Straight to lowest_W until the press is felt, then closes; while the pads stay empty, opens
   /// and tries again, harder. @returns where the fingers closed.
-  Eigen::Vector3d Seize(const Eigen::Vector3d& lowest_W, double opening_m, const Press& press);
+  Eigen::Vector3d Seize(const Eigen::Vector3d& lowest_W, double opening_m, Press press);
   /// Closes the fingers. @returns whether something is between them.
   bool Close();
   /// Whether something was between the fingers when they last moved.

@@ -254,6 +254,21 @@ TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) 
   }
 }
 
+// A layer is felt for more slowly than a fold is.
+TEST_F(BaggingEnvTest, GraspLiftComesDownFasterThanOtherGuardedMoves) {
+  rig_.cube_between_fingers = false;
+  for (const int pair : {0, 1}) {
+    (void)Act(pair, 0, pair + 1);
+    const double speed =
+        pair == 0 ? config_.grasp_lift.touch_speed_m_s : config_.motion.guarded_speed_m_s;
+    for (const Move& move : rig_.moves) {
+      if (move.kind != Move::kUntilContact) continue;
+      EXPECT_EQ(move.guarded_m_s, speed) << pair;
+    }
+  }
+  EXPECT_GT(config_.grasp_lift.touch_speed_m_s, config_.motion.guarded_speed_m_s);
+}
+
 TEST_F(BaggingEnvTest, GraspLiftFeelsForTheEdgeFromOutsideInwards) {
   const GraspLiftConfig& config = config_.grasp_lift;
   rig_.nothing_beyond_m = config.probe_from_m - 1.5 * config.probe_step_m;
@@ -349,6 +364,28 @@ TEST_F(BaggingEnvTest, ScratchMovesAsideAlongTheRimFromMoreClothThanOneLayersAnd
     for (const Eigen::Vector2d& drag : drags) {
       EXPECT_NEAR((drags[0] - drag).norm(), 0, 1e-12) << "dragged as far and in that direction";
     }
+  }
+}
+
+TEST_F(BaggingEnvTest, ScratchPressesFirmlyAtLastWhereNothingWasCaught) {
+  const ScratchDragConfig& config = config_.scratch_drag;
+  for (const double cloth_m : {0.0, config.stack_m + 1e-6}) {
+    rig_.cloth_between_fingers_m = cloth_m;
+    (void)Act(1, 2 * 9 + 7, 2);
+    std::vector<double> forces;
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kUntilContact) forces.push_back(move.value);
+    }
+    std::vector<double> expected;
+    for (int place = 0; place <= config.asides; ++place) {
+      const bool firm = cloth_m == 0 && place == config.asides;
+      for (int retry = 0; retry <= (cloth_m == 0 ? config.retries : 0); ++retry) {
+        expected.push_back((firm ? config.firm_force_N : config.touch_force_N) *
+                           std::pow(config.press_factor, retry));
+      }
+    }
+    ASSERT_EQ(forces.size(), expected.size());
+    for (std::size_t k = 0; k < forces.size(); ++k) EXPECT_NEAR(forces[k], expected[k], 1e-12) << k;
   }
 }
 

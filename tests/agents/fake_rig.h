@@ -20,6 +20,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     enum Kind { kTo, kUntilContact, kFingers, kWaitingPose } kind;
     Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
     double value = 0;  ///< Speed; a guarded move's force; opening of the fingers.
+    double guarded_m_s = 0;
   };
 
   int state = 0;
@@ -69,10 +70,11 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   MoveResult MoveTo(const Eigen::Isometry3d& X_WT, double speed) override {
     return Note({Move::kTo, X_WT, speed});
   }
-  MoveResult MoveUntilContact(const Eigen::Isometry3d& X_WT, double, double force_N) override {
+  MoveResult MoveUntilContact(const Eigen::Isometry3d& X_WT, double speed,
+                              double force_N) override {
     Eigen::Isometry3d end = X_WT;
     end.translation().z() = std::max(contact_height_m, X_WT.translation().z());
-    MoveResult result = Note({Move::kUntilContact, end, force_N});
+    MoveResult result = Note({Move::kUntilContact, end, force_N, speed});
     if (result.end == MoveEnd::kReached && contact_height_m > X_WT.translation().z()) {
       result.end = MoveEnd::kContact;
     }
