@@ -45,19 +45,19 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,
                 const GraspLiftConfig& lift, const MotionConfig& motion) {
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
-  const double closing = AngleOf(closing_W);
 
   // tau_close.
   if (mouth && mouth->Apart_W().norm() >= config.lips_apart_m) {
     LayLipOver(tool, *mouth, grasp, closing_W, config, drag, motion);
   } else {
     tool.Fingers(config.opening_m);
-    tool.Approach(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), closing);
+    tool.ApproachLevel(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), AngleOf(closing_W));
   }
   tool.GoUntilContact(At(grasp, config.height_m), config.contact_force_N);
   tool.Fingers(0);
 
-  // mu_carry.
+  // mu_carry, without turning what is held.
+  const double closing = tool.closing_rad();
   tool.Go(At(grasp, config.upright_m), config.lift_speed_m_s);
   const Eigen::Vector3d high = At(Within(config.column_m, At(grasp, 0)), config.lift_height_m);
   tool.GoTilted(high, closing, config.tilt_deg * std::numbers::pi / 180, config.lift_speed_m_s);

@@ -13,7 +13,7 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
                            const Eigen::Vector3d& drag_W, const Eigen::Vector3d& along_W,
                            const ScratchDragConfig& config, const MotionConfig& motion) {
   tool.Fingers(config.opening_m);
-  tool.Approach(At(p_W, motion.approach_m), AngleOf(along_W));
+  tool.ApproachLevel(At(p_W, motion.approach_m), AngleOf(along_W));
   tool.Go(At(p_W, p_W.z() + 0.02), motion.descend_speed_m_s);
   // Thick cloth between the pads is mostly both layers: let go of it and try beside it, where the
   // cloth is not rucked up yet. Where they closed on nothing, cloth is too taut to be gathered so

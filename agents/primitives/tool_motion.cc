@@ -9,6 +9,9 @@ namespace {
 // Pads nearer than this hold nothing: a third of a ply of Bag 1; a ply below 0.4 mm would go
 // unnoticed. The gripper itself reads this.
 constexpr double kEmpty_m = 0.0004;
+// Fingers whose line rises by no more than this are level: 1.7 mm at their widest, a layer or so. A
+// tilted tool's rise by 0.04 and more where they do not close across the tilt.
+constexpr double kLevel = 0.02;
 
 const char* Named(MoveEnd end) {
   switch (end) {
@@ -57,8 +60,18 @@ void ToolMotion::Finish(const MoveResult& result, const char* what) {
   throw Aborted(std::string(what) + ": " + Named(result.end));
 }
 
+Eigen::Vector3d ToolMotion::OutFromBase(const Eigen::Vector3d& p_W) const {
+  return {p_W.x() - config_.base_x_m, p_W.y() - config_.base_y_m, 0};
+}
+
 void ToolMotion::Approach(const Eigen::Vector3d& p_W, double closing_rad) {
   Finish(robot_.MoveTo(Pose(DownwardTool(closing_rad), p_W), config_.travel_speed_m_s), "approach");
+}
+
+void ToolMotion::ApproachLevel(const Eigen::Vector3d& p_W, double closing_rad) {
+  Approach(p_W, closing_rad);
+  if (std::abs(R_WT_(2, 0)) <= kLevel) return;
+  Approach(p_W, AngleOf(LeftOf(OutFromBase(p_W))));
 }
 
 void ToolMotion::Go(const Eigen::Vector3d& p_W, double speed_m_s) {
@@ -67,9 +80,8 @@ void ToolMotion::Go(const Eigen::Vector3d& p_W, double speed_m_s) {
 
 void ToolMotion::GoTilted(const Eigen::Vector3d& p_W, double closing_rad, double tilt_rad,
                           double speed_m_s) {
-  const Eigen::Vector3d outward(p_W.x() - config_.base_x_m, p_W.y() - config_.base_y_m, 0);
   // Turning the downward z axis about up x outward sends the fingertips outward when negative.
-  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ().cross(outward).normalized();
+  const Eigen::Vector3d axis = LeftOf(OutFromBase(p_W)).normalized();
   const Eigen::Matrix3d tilt = Eigen::AngleAxisd(-tilt_rad, axis).toRotationMatrix();
   Finish(robot_.MoveTo(Pose(tilt * DownwardTool(closing_rad), p_W), speed_m_s), "tilted move");
 }

@@ -81,6 +81,10 @@ class ToolMotion {
   /// Free motion to p_W, the tool straight down. The arm may exchange the fingers, which is the
   /// same grasp, and tilt the tool a little where it cannot reach otherwise.
   void Approach(const Eigen::Vector3d& p_W, double closing_rad);
+  /// The same for a grasp of cloth. Near the arm's base the tool has to be tilted, and fingers that
+  /// close along the tilt do not reach the table together: the one that is lower then keeps the
+  /// other off the cloth. There they close across the tilt, however they were to.
+  void ApproachLevel(const Eigen::Vector3d& p_W, double closing_rad);
   /// Straight line to p_W, orientation kept.
   void Go(const Eigen::Vector3d& p_W, double speed_m_s);
   /// Straight line to p_W, the tool meanwhile turning to tilt_rad in the vertical plane through the
@@ -95,6 +99,8 @@ class ToolMotion {
   /// Straight to lowest_W until the press is felt, then closes; while the pads stay empty, opens
   /// and tries again, harder. @returns where the fingers closed.
   Eigen::Vector3d Seize(const Eigen::Vector3d& lowest_W, double opening_m, Press press);
+  /// Direction in which the fingers close now, as for DownwardTool.
+  double closing_rad() const { return AngleOf(R_WT_.col(0)); }
   /// Closes the fingers. @returns whether something is between them.
   bool Close();
   /// Whether something was between the fingers when they last moved.
@@ -119,6 +125,8 @@ class ToolMotion {
 
  private:
   void Finish(const MoveResult& result, const char* what);
+  /// Horizontal, from the arm's base to p_W.
+  Eigen::Vector3d OutFromBase(const Eigen::Vector3d& p_W) const;
 
   RobotPort& robot_;
   MotionConfig config_;

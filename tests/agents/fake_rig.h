@@ -31,7 +31,9 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
   double nothing_beyond_m = 1e9;     ///< ... unless they are so far from the table's middle.
   double cloth_between_fingers_m = 0.005;
-  double weight_N = 1;           ///< Of what is held.
+  double weight_N = 1;  ///< Of what is held.
+  double tilt_rad = 0;  ///< Of the tool where it is to point straight down, in the plane through
+                        ///< the arm's base.
   double contact_height_m = -1;  ///< Guarded moves stop here, if they reach that far down.
   Truth truth;
   std::vector<Move> moves;
@@ -68,7 +70,12 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   cv::Point2d cube_in_mouth_px{320, 170};
 
   MoveResult MoveTo(const Eigen::Isometry3d& X_WT, double speed) override {
-    return Note({Move::kTo, X_WT, speed});
+    const Eigen::Vector3d left(0.44 + X_WT.translation().y(), -X_WT.translation().x(), 0);
+    Eigen::Isometry3d end = X_WT;
+    if (X_WT.linear()(2, 2) < -0.999) {
+      end.linear() = Eigen::AngleAxisd(tilt_rad, left.normalized()) * X_WT.linear();
+    }
+    return Note({Move::kTo, end, speed});
   }
   MoveResult MoveUntilContact(const Eigen::Isometry3d& X_WT, double speed,
                               double force_N) override {
