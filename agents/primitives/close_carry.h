@@ -56,7 +56,8 @@ struct CloseCarryConfig {
 /// Draws the mouth's lips together over what lies in it, closes the gripper on both at p_W, or
 /// beside it at the rim, lifts the bag and carries it to the waiting pose. There it is weighed: one
 /// too light to have the cube in it is laid down on the table again and let go.
-/// @param closing_W horizontal direction along which the fingers close.
+/// @param closing_W horizontal direction along which the fingers close where the tool is not
+/// tilted.
 /// @param mouth none if it is not seen: then nothing is drawn, and the grasp is at p_W.
 /// @param cube_W where the cube is, or the bag if it hides the cube: a bag is laid down away from
 /// it.

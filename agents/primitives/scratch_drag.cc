@@ -24,6 +24,7 @@ Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,
   Press press{motion.guarded_speed_m_s, config.touch_force_N, config.retries, config.press_factor};
   bool caught = false;
   for (int moved = 0;; ++moved) {
+    // A single try (PickPlace's widening) stays light.
     if (moved > 0 && moved == config.asides && !caught) press.force_N = config.firm_force_N;
     const double touched = tool.Seize(At(grasp_W, -0.005), config.opening_m, press).z();
     const bool one_layer = tool.Holds() && tool.opening_m() <= config.stack_m;

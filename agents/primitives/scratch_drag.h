@@ -16,7 +16,8 @@ struct ScratchDragConfig {
   double stack_m = 0.0105;     ///< More than this between the closed pads is taken for both layers.
   int asides = 2;              ///< Then, or still without any, the fingers try again so often ...
   double aside_m = 0.03;       ///< ... so far along the rim, the way that the drag goes, ...
-  double firm_force_N = 6;     ///< ... pressing so hard the last time if none caught anything.
+  double firm_force_N = 6;     ///< ... pressing so hard the last time if none before it caught
+                               ///< anything (and harder as retries go; the first is never firm).
   double lift_m = 0.10;        ///< The layer is raised so far, clear of the cube, ...
   double drag_m = 0.175;       ///< ... and dragged so far towards the target: a shorter flap of
                                ///< canvas springs back, and the further, the closer the lip draws
@@ -52,7 +53,8 @@ void ScratchDrag(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vect
                  const Eigen::Vector3d& along_W, const ScratchDragConfig& config,
                  const MotionConfig& motion);
 
-/// tau_scratch alone: touches the cloth at p_W and closes along the rim; beside p_W, on the side
+/// tau_scratch alone: touches the cloth at p_W and closes along the rim (along_W), or across the
+/// tilt where the tool is tilted (ToolMotion::ApproachLevel); beside p_W, on the side
 /// that drag_W leads to, if none or both layers seem to be between the pads. @returns where the
 /// fingers closed.
 Eigen::Vector3d SeizeLayer(ToolMotion& tool, const Eigen::Vector3d& p_W,

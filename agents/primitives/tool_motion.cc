@@ -9,8 +9,7 @@ namespace {
 // Pads nearer than this hold nothing: a third of a ply of Bag 1; a ply below 0.4 mm would go
 // unnoticed. The gripper itself reads this.
 constexpr double kEmpty_m = 0.0004;
-// Fingers whose line rises by no more than this are level: 1.7 mm at their widest, a layer or so. A
-// tilted tool's rise by 0.04 and more where they do not close across the tilt.
+// Fingers whose line rises by no more than this are level: 1.7 mm at their widest, a layer or so.
 constexpr double kLevel = 0.02;
 
 const char* Named(MoveEnd end) {
@@ -71,7 +70,11 @@ void ToolMotion::Approach(const Eigen::Vector3d& p_W, double closing_rad) {
 void ToolMotion::ApproachLevel(const Eigen::Vector3d& p_W, double closing_rad) {
   Approach(p_W, closing_rad);
   if (std::abs(R_WT_(2, 0)) <= kLevel) return;
-  Approach(p_W, AngleOf(LeftOf(OutFromBase(p_W))));
+  const double across_rad = AngleOf(LeftOf(OutFromBase(p_W)));
+  const MoveResult turned =
+      robot_.MoveTo(Pose(DownwardTool(across_rad), p_W), config_.travel_speed_m_s);
+  // Then it has not moved: better askew than not at all.
+  if (turned.end != MoveEnd::kUnreachable) Finish(turned, "approach");
 }
 
 void ToolMotion::Go(const Eigen::Vector3d& p_W, double speed_m_s) {

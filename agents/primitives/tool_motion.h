@@ -17,7 +17,7 @@ namespace gusset {
 struct MotionConfig {
   double travel_speed_m_s = 0.40;   ///< Free motion.
   double descend_speed_m_s = 0.15;  ///< Down to where a guarded move begins.
-  double guarded_speed_m_s = 0.02;  ///< Until contact.
+  double guarded_speed_m_s = 0.02;  ///< Until contact; GraspLift has its own.
   double finger_speed_m_s = 0.10;   ///< Per finger; the real gripper does 0.02 to 0.15.
   double grip_force_N = 60;         ///< Of the closed gripper; the real one does 20 to 235.
   double approach_m = 0.10;         ///< Fingertips above the table before and after an action.
@@ -81,9 +81,10 @@ class ToolMotion {
   /// Free motion to p_W, the tool straight down. The arm may exchange the fingers, which is the
   /// same grasp, and tilt the tool a little where it cannot reach otherwise.
   void Approach(const Eigen::Vector3d& p_W, double closing_rad);
-  /// The same for a grasp of cloth. Near the arm's base the tool has to be tilted, and fingers that
-  /// close along the tilt do not reach the table together: the one that is lower then keeps the
-  /// other off the cloth. There they close across the tilt, however they were to.
+  /// The same for a grasp of cloth. Where the arm cannot get there but by tilting the tool, as near
+  /// its base, fingers that close along the tilt do not reach the table together: the lower one
+  /// keeps the other off the cloth. There they close across the tilt if they can, however they were
+  /// to. What the arm has to tilt on its further way is not looked at.
   void ApproachLevel(const Eigen::Vector3d& p_W, double closing_rad);
   /// Straight line to p_W, orientation kept.
   void Go(const Eigen::Vector3d& p_W, double speed_m_s);
@@ -94,7 +95,7 @@ class ToolMotion {
   Eigen::Vector3d GoUntilContact(const Eigen::Vector3d& p_W, double force_N) {
     return GoUntilContact(p_W, Press{config_.guarded_speed_m_s, force_N});
   }
-  /// The same as a grasp does it.
+  /// The same at a grasp's speed and with its first force.
   Eigen::Vector3d GoUntilContact(const Eigen::Vector3d& p_W, const Press& press);
   /// Straight to lowest_W until the press is felt, then closes; while the pads stay empty, opens
   /// and tries again, harder. @returns where the fingers closed.

@@ -257,14 +257,17 @@ TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) 
 // A layer is felt for more slowly than a fold is.
 TEST_F(BaggingEnvTest, GraspLiftComesDownFasterThanOtherGuardedMoves) {
   rig_.cube_between_fingers = false;
-  for (const int pair : {0, 1}) {
+  for (const int pair : {0, 1, 3}) {
     (void)Act(pair, 0, pair + 1);
     const double speed =
         pair == 0 ? config_.grasp_lift.touch_speed_m_s : config_.motion.guarded_speed_m_s;
+    int guarded = 0;
     for (const Move& move : rig_.moves) {
       if (move.kind != Move::kUntilContact) continue;
+      ++guarded;
       EXPECT_EQ(move.guarded_m_s, speed) << pair;
     }
+    EXPECT_GT(guarded, 0) << pair;
   }
   EXPECT_GT(config_.grasp_lift.touch_speed_m_s, config_.motion.guarded_speed_m_s);
 }
@@ -393,17 +396,29 @@ TEST_F(BaggingEnvTest, ScratchPressesFirmlyAtLastWhereNothingWasCaught) {
 // other hang over the cloth: a bag there was scratched in vain, 15 times.
 TEST_F(BaggingEnvTest, FingersReachTheClothTogetherWhereTheToolIsTilted) {
   rig_.tilt_rad = 0.26;
-  for (const int pair : {1, 3}) {
-    (void)Act(pair, 2 * 9 + 7, pair + 1);
+  for (const int point : {0, 8}) {
+    (void)Act(1, point * 9 + 7, 2);
+    // What they would rise by, closing along the rim.
+    const Eigen::Vector3d p = env_.before().grasp_points[point].p_W;
+    const Eigen::Vector3d out(p.x(), p.y() + 0.44, 0);
+    ASSERT_GT(std::sin(rig_.tilt_rad) * std::abs(out.normalized().dot(env_.before().rim->along_W)),
+              0.04);
     int guarded = 0;
     for (const Move& move : rig_.moves) {
       if (move.kind != Move::kUntilContact) continue;
       ++guarded;
-      EXPECT_NEAR(move.X_WT.linear()(2, 0), 0, 0.02) << pair;
+      EXPECT_NEAR(move.X_WT.linear()(2, 0), 0, 1e-9) << point;
       EXPECT_LT(std::abs(move.X_WT.linear()(2, 2)), 0.99) << "the tool is tilted";
     }
     EXPECT_GT(guarded, 0);
   }
+}
+
+TEST_F(BaggingEnvTest, FingersThatCannotBeTurnedLevelScratchAsTheyAre) {
+  rig_.tilt_rad = 0.26;
+  rig_.refuse_at = 1;  // the turn
+  EXPECT_EQ(Act(1, 7, 2).log["note"], "");
+  EXPECT_NEAR(Path().back().z(), config_.motion.approach_m, 1e-12) << "dragged to the end";
 }
 
 TEST_F(BaggingEnvTest, PickPlaceTakesTheCubeWhereItIsSeenToThePlacePoint) {
