@@ -46,6 +46,20 @@ class BaggingEnvTest : public FolderTest {
     return path;
   }
 
+  std::vector<Move> GuardedMoves() const {
+    std::vector<Move> guarded;
+    for (const Move& move : rig_.moves) {
+      if (move.kind == Move::kUntilContact) guarded.push_back(move);
+    }
+    return guarded;
+  }
+
+  std::vector<double> GuardedForces() const {
+    std::vector<double> forces;
+    for (const Move& move : GuardedMoves()) forces.push_back(move.value);
+    return forces;
+  }
+
   double MetresPerPixelAtMouth() const {
     const CameraModel& camera = rig_.model();
     const cv::Point2d px = env_.before().opening_centre.px;
@@ -238,10 +252,7 @@ TEST_F(BaggingEnvTest, GraspLiftTakesWhatIsOutOfReachNearerTheBagsCentre) {
 TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) {
   rig_.cube_between_fingers = false;
   EXPECT_EQ(Act(0, 0, 1).log["note"], "");
-  std::vector<double> forces;
-  for (const Move& move : rig_.moves) {
-    if (move.kind == Move::kUntilContact) forces.push_back(move.value);
-  }
+  const std::vector<double> forces = GuardedForces();
   // The first grasp, then four edges: every probe lightly but for the last, which presses harder.
   const GraspLiftConfig& config = config_.grasp_lift;
   const auto tries = static_cast<std::size_t>(1 + config.retries);
@@ -261,13 +272,8 @@ TEST_F(BaggingEnvTest, GraspLiftComesDownFasterThanOtherGuardedMoves) {
     (void)Act(pair, 0, pair + 1);
     const double speed =
         pair == 0 ? config_.grasp_lift.touch_speed_m_s : config_.motion.guarded_speed_m_s;
-    int guarded = 0;
-    for (const Move& move : rig_.moves) {
-      if (move.kind != Move::kUntilContact) continue;
-      ++guarded;
-      EXPECT_EQ(move.guarded_m_s, speed) << pair;
-    }
-    EXPECT_GT(guarded, 0) << pair;
+    EXPECT_FALSE(GuardedMoves().empty()) << pair;
+    for (const Move& move : GuardedMoves()) EXPECT_EQ(move.guarded_m_s, speed) << pair;
   }
   EXPECT_GT(config_.grasp_lift.touch_speed_m_s, config_.motion.guarded_speed_m_s);
 }
@@ -375,10 +381,7 @@ TEST_F(BaggingEnvTest, ScratchPressesFirmlyAtLastWhereNothingWasCaught) {
   for (const double cloth_m : {0.0, config.stack_m + 1e-6}) {
     rig_.cloth_between_fingers_m = cloth_m;
     (void)Act(1, 2 * 9 + 7, 2);
-    std::vector<double> forces;
-    for (const Move& move : rig_.moves) {
-      if (move.kind == Move::kUntilContact) forces.push_back(move.value);
-    }
+    const std::vector<double> forces = GuardedForces();
     std::vector<double> expected;
     for (int place = 0; place <= config.asides; ++place) {
       const bool firm = cloth_m == 0 && place == config.asides;
@@ -400,17 +403,14 @@ TEST_F(BaggingEnvTest, FingersReachTheClothTogetherWhereTheToolIsTilted) {
     (void)Act(1, point * 9 + 7, 2);
     // What they would rise by, closing along the rim.
     const Eigen::Vector3d p = env_.before().grasp_points[point].p_W;
-    const Eigen::Vector3d out(p.x(), p.y() + 0.44, 0);
+    const Eigen::Vector3d out(p.x() - config_.motion.base_x_m, p.y() - config_.motion.base_y_m, 0);
     ASSERT_GT(std::sin(rig_.tilt_rad) * std::abs(out.normalized().dot(env_.before().rim->along_W)),
               0.04);
-    int guarded = 0;
-    for (const Move& move : rig_.moves) {
-      if (move.kind != Move::kUntilContact) continue;
-      ++guarded;
+    EXPECT_FALSE(GuardedMoves().empty());
+    for (const Move& move : GuardedMoves()) {
       EXPECT_NEAR(move.X_WT.linear()(2, 0), 0, 1e-9) << point;
       EXPECT_LT(std::abs(move.X_WT.linear()(2, 2)), 0.99) << "the tool is tilted";
     }
-    EXPECT_GT(guarded, 0);
   }
 }
 
