@@ -187,6 +187,20 @@ Percept BaggingEnv::Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   return PerceptOf(before_);
 }
 
+bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
+  tool.GoToWaitingPose();
+  tool.Wait(config_.motion.settle_s);
+  const Observation seen =
+      Perceive(camera_.Look(), camera_.model(), config_.perception, thresholds_);
+  if (seen.state == State::kUnfolded) {
+    return seen.A_bag >= config_.grasp_lift.flat_share * thresholds_.A_flat;
+  }
+  if (seen.state != State::kOpen) return seen.state != State::kFolded;
+  // Folded so that both lips show, a bag has a mouth that it would have to be rid of first.
+  const auto mouth = MouthOf(seen, camera_.model(), config_.perception.table_height_m);
+  return !mouth || !mouth->width || TakesTheCube(*mouth->width, config_.pick_place);
+}
+
 PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
   const Eigen::Vector3d p_W = ChosenPoint(before_, point).p_W;
   const Eigen::Vector3d along_W = before_.rim ? before_.rim->along_W : Eigen::Vector3d::UnitX();
@@ -198,7 +212,7 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
       case State::kFolded:
         return GraspLift(tool, before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
                          camera_.model().OntoPlane(before_.bag_centroid, table_m), parameter,
-                         config_.grasp_lift, motion);
+                         config_.grasp_lift, motion, [&] { return LooksUnfolded(tool); });
       case State::kUnfolded:
         return ScratchDrag(tool, p_W,
                            before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,

@@ -82,6 +82,9 @@ class BaggingEnv final : public Environment {
  private:
   Percept PerceptOf(const Observation& observation) const;
   PrimitiveReport Perform(int point, int parameter);
+  /// In the middle of an action: leaves the view, lets things settle, looks. An open mouth counts
+  /// only if the cube would be placed in it.
+  bool LooksUnfolded(ToolMotion& tool);
   Outcome Idle(int pair, const ActionChoice& choice);
 
   ScenePort& scene_;

@@ -35,7 +35,7 @@ class RobotPort {
   /// Straight line of the tool to X_WT at no more than speed_m_s, within all joint limits (slower
   /// where they demand it). Orientation is interpolated along. Tolerances: the gripper may arrive
   /// turned by half a turn about its approach axis, which exchanges its fingers; and where the arm
-  /// has no way to X_WT as asked, it may tilt the tool by up to 15 degrees about its tip, in the
+  /// has no way to X_WT as asked, it may tilt the tool by up to 30 degrees about its tip, in the
   /// vertical plane through the arm's base. Where there is no straight line, the arm goes another
   /// way: straight up, across with the tool at 0.12 m above the table or higher, straight down.
   /// Only a goal at 0.075 m or higher above which nothing is reachable is come to on a slant.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace gusset {
 namespace {
@@ -74,7 +75,8 @@ void LayDown(ToolMotion& tool, const Vector3d& high_W, const Vector3d& to_W, dou
 }
 
 void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, int parameter,
-               const GraspLiftConfig& config, const MotionConfig& motion) {
+               const GraspLiftConfig& config, const MotionConfig& motion,
+               const std::function<bool()>& is_unfolded) {
   Vector3d along = At(p_W - centre_W, 0);
   along = along.norm() > kCentral_m ? Vector3d(along.normalized()) : Vector3d(-Vector3d::UnitY());
   const Vector3d grasp = Reachable(config.reach_m, p_W, centre_W);
@@ -94,8 +96,18 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
   const Vector3d laid = Within(config.reach_m, along * config.lay_m);
   Stroke(tool, grasp, At(high, config.lift_height_m(parameter)), laid, config, motion);
 
-  // ... and pull it flat by its edge: to either side, back and forth.
-  for (const Vector3d& way : {side, Vector3d(-side), Vector3d(-along), along}) {
+  // ... and pull it flat by its edge: to either side, back and forth, ...
+  std::vector<Vector3d> ways = {side, -side, -along, along};
+  // ... and, while it is seen to be folded still, along the diagonals.
+  const bool looks = config.looks && is_unfolded;
+  if (looks) {
+    for (const Vector3d& way : {Vector3d(side + along), Vector3d(side - along)}) {
+      ways.push_back(way.normalized());
+      ways.push_back(-way.normalized());
+    }
+  }
+  for (const Vector3d& way : ways) {
+    if (looks && is_unfolded()) return;
     const Vector3d from = SeizeEdge(tool, way, press, config, motion);
     const Vector3d to = Within(config.reach_m, from + way * config.pull_m);
     Stroke(tool, from, At(0.5 * (from + to), config.pull_height_m), to, config, motion);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "agents/primitives/tool_motion.h"
 
 namespace gusset {
@@ -16,8 +18,8 @@ struct GraspLiftConfig {
   int retries = 3;                ///< ... and if nothing is between the pads then, so often again,
   double press_factor = 1.6;      ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
-  double lift_low_m = 0.27;    ///< Height for parameter 0 ...
-  double lift_step_m = 0.006;  ///< ... and from one parameter to the next.
+  double lift_low_m = 0.30;    ///< Height for parameter 0 ...
+  double lift_step_m = 0.002;  ///< ... and from one parameter to the next.
   double tilt_deg = -29;       ///< Of the gripper above tilt_above_m (29 in the authors' code);
                                ///< < 0: the wrist leans away from the base.
   double tilt_above_m = 0.22;
@@ -29,6 +31,8 @@ struct GraspLiftConfig {
   int probes = 6;               ///< ... so many times at most, ...
   double pull_m = 0.16;         ///< ... and pulled out so far, reach_m permitting, ...
   double pull_height_m = 0.06;  ///< ... over this height.
+  bool looks = true;            ///< Between strokes: it is left once it is unfolded ...
+  double flat_share = 0.82;     ///< ... and this much of it, laid flat, is seen.
   double reach_m = 0.245;       ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
   double release_opening_m = 0.045;  ///< Half open: wide open, they may stretch a fold they are in.
@@ -57,6 +61,8 @@ struct GraspLiftConfig {
     v("probes", probes, Range{1, 20});
     v("pull_m", pull_m, Range{0, 0.4});
     v("pull_height_m", pull_height_m, Range{0.02, 0.3});
+    v("looks", looks);
+    v("flat_share", flat_share, Range{0, 1});
     v("reach_m", reach_m, Range{0.05, 0.25});
     v("release_height_m", release_height_m, Range{0.005, 0.3});
     v("release_opening_m", release_opening_m, Range{0.01, 0.085});
@@ -72,16 +78,20 @@ struct GraspLiftConfig {
 void LayDown(ToolMotion& tool, const Eigen::Vector3d& high_W, const Eigen::Vector3d& to_W,
              double closing_rad, double opening_m, const GraspLiftConfig& config);
 
-/// Unfolds in five strokes. The first grasps the bag at p_W, or as near it as the arm reaches,
-/// lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and beyond, so
-/// that it hangs and unfolds under its weight, and lays it across the middle: its far end comes
-/// down first and table friction holds it. The others pull it flat by its edges, which they find by
-/// feel: on either side of that line (first on the left for odd parameters, on the right for even
-/// ones), at its far end and at its near one.
+/// Unfolds in five strokes or more. The first grasps the bag at p_W, or as near it as the arm
+/// reaches, lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and
+/// beyond, so that it hangs and unfolds under its weight, and lays it across the middle: its far
+/// end comes down first and table friction holds it. The others pull it flat by its edges, which
+/// they find by feel: on either side of that line (first on the left for odd parameters, on the
+/// right for even ones), at its far end and at its near one. Where the bag can be looked at in
+/// between, they end as soon as it is unfolded, and go on along the diagonals while it is not: a
+/// pull unfolds one bag and folds the next one anew.
 /// @param p_W a point at the bag's edge: held there it unfolds, held in the middle it does not.
 /// @param centre_W the bag's centre as seen: the first stroke goes from it to p_W, but through the
 ///   table's middle, so that the bag does not wander out of sight.
+/// @param is_unfolded leaves the camera's view and looks. Empty: there is no looking.
 void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& centre_W,
-               int parameter, const GraspLiftConfig& config, const MotionConfig& motion);
+               int parameter, const GraspLiftConfig& config, const MotionConfig& motion,
+               const std::function<bool()>& is_unfolded = {});
 
 }  // namespace gusset

@@ -7,6 +7,10 @@
 namespace gusset {
 namespace {
 
+bool IsNarrow(const Mouth::Width& width, const PickPlaceConfig& config) {
+  return width.radius_m < config.room_m;
+}
+
 // Draws one side of a mouth away from the other: the one that lies farther from the rim, for that
 // is the layer on top. Along the body it lies where it is drawn to; a lip that is drawn back from
 // the rim becomes a flap and springs back, unless it is drawn as far as an opening is
@@ -40,21 +44,21 @@ void LayFlat(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config
 
 }  // namespace
 
+bool TakesTheCube(const Mouth::Width& width, const PickPlaceConfig& config) {
+  return width.closed && !IsNarrow(width, config);
+}
+
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const GraspLiftConfig& lift,
                const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  if (mouth && mouth->width) {
-    const Mouth::Width& width = *mouth->width;
-    const bool narrow = width.radius_m < config.room_m;
-    if (narrow && width.length_m >= config.slit_m) {
+  if (mouth && mouth->width && !TakesTheCube(*mouth->width, config)) {
+    if (IsNarrow(*mouth->width, config) && mouth->width->length_m >= config.slit_m) {
       tool.Note("mouth widened instead");
       return Widen(tool, *mouth, config, scratch, motion);
     }
-    if (narrow || !width.closed) {
-      tool.Note("bag laid flat instead");
-      return LayFlat(tool, *mouth, config, lift, motion);
-    }
+    tool.Note("bag laid flat instead");
+    return LayFlat(tool, *mouth, config, lift, motion);
   }
   // Never below 5 mm: the fingertips would press on the table.
   const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);

@@ -51,6 +51,9 @@ struct PickPlaceConfig {
   }
 };
 
+/// Whether PickPlace would place the cube in such a mouth rather than mend it.
+bool TakesTheCube(const Mouth::Width& width, const PickPlaceConfig& config);
+
 /// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
 /// layer that was drawn back rather than onto it, and lets go. The cube stays where it is if the
 /// mouth is too narrow for it, when a long one is widened and a bag with a short one laid flat, or

@@ -212,10 +212,10 @@ TEST_F(BaggingEnvTest, GraspLiftLaysTheBagThroughTheMiddleTowardsTheSideOfItsPoi
 
 TEST_F(BaggingEnvTest, GraspLiftPullsToTheLeftFirstForOddParametersThenRightBackAndForth) {
   for (const int parameter : {0, 1}) {
-    (void)Act(0, 0 * 9 + parameter, 1);
-    // Five strokes of four moves: up, over, half way down, laid.
+    (void)Act(0, 0 * 9 + parameter, 0);
+    // Nine strokes of four moves: up, over, half way down, laid.
     const std::vector<Eigen::Vector3d> path = HeldPath();
-    ASSERT_EQ(path.size(), 20u);
+    ASSERT_EQ(path.size(), 36u);
     const Eigen::Vector2d along = path[3].head<2>().normalized();
     const Eigen::Vector2d left(-along.y(), along.x());
     const double first = path[7].head<2>().dot(left);
@@ -226,7 +226,57 @@ TEST_F(BaggingEnvTest, GraspLiftPullsToTheLeftFirstForOddParametersThenRightBack
     for (const int end : {15, 19}) EXPECT_NEAR(path[end].head<2>().dot(left), 0, 1e-9);
     EXPECT_LT(path[15].head<2>().dot(along), -0.15);
     EXPECT_NEAR(path[19].head<2>().dot(along), -path[15].head<2>().dot(along), 1e-9);
+    // And along the diagonals.
+    for (const int end : {23, 31}) {
+      const Eigen::Vector2d way = path[end].head<2>().normalized();
+      EXPECT_NEAR(std::abs(way.dot(along)), std::sqrt(0.5), 1e-9);
+      EXPECT_NEAR(path[end + 4].head<2>().normalized().dot(way), -1, 1e-9);
+    }
+    EXPECT_NEAR(path[23].head<2>().dot(path[31].head<2>()), 0, 1e-9);
   }
+}
+
+TEST_F(BaggingEnvTest, GraspLiftStopsPullingOnceTheBagLooksUnfolded) {
+  const auto strokes = [&] { return HeldPath().size() / 4; };
+  const auto looks = [&] {
+    return std::ranges::count(rig_.moves, Move::kWaitingPose, &Move::kind) - 1;  // less the last
+  };
+  (void)Act(0, 9, 1);
+  EXPECT_EQ(strokes(), 1u);
+  EXPECT_EQ(looks(), 1);
+  for (const int pulls : {2, 7}) {
+    rig_.unchanged_looks = pulls;
+    (void)Act(0, 9, 1);
+    EXPECT_EQ(strokes(), 1u + static_cast<std::size_t>(pulls));
+    EXPECT_EQ(looks(), pulls + 1);
+  }
+  // An open mouth will do, but not what a fold leaves of one.
+  rig_.unchanged_looks = 0;
+  (void)Act(0, 9, 2);
+  EXPECT_EQ(strokes(), 1u);
+  rig_.corner_folded = true;
+  (void)Act(0, 9, 2);
+  EXPECT_EQ(strokes(), 9u);
+  rig_.corner_folded = false;
+  // Nor a bag a good part of which is folded under.
+  (void)Act(0, 9, 1);
+  const double seen_share = env_.after().A_bag / config_.chosen_thresholds().A_flat;
+  for (const double off : {-0.01, 0.01}) {
+    config_.grasp_lift.flat_share = seen_share + off;
+    BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+    (void)env.Begin("0", 5);
+    (void)env.Act(9);
+    EXPECT_EQ(env.after().state, State::kUnfolded);
+    EXPECT_EQ(strokes(), off < 0 ? 1u : 9u);
+  }
+  // Without looks it is pulled four times, come what may.
+  config_.grasp_lift.looks = false;
+  BaggingEnv blind(rig_, rig_, rig_, rig_, config_);
+  rig_.next = 1;
+  (void)blind.Begin("0", 5);
+  (void)blind.Act(9);
+  EXPECT_EQ(strokes(), 5u);
+  EXPECT_EQ(looks(), 0);
 }
 
 TEST_F(BaggingEnvTest, GraspLiftTakesWhatIsOutOfReachNearerTheBagsCentre) {
@@ -251,13 +301,13 @@ TEST_F(BaggingEnvTest, GraspLiftTakesWhatIsOutOfReachNearerTheBagsCentre) {
 
 TEST_F(BaggingEnvTest, GraspLiftPressesHarderWhileItsPadsAreEmptyAndThenGoesOn) {
   rig_.cube_between_fingers = false;
-  EXPECT_EQ(Act(0, 0, 1).log["note"], "");
+  EXPECT_EQ(Act(0, 0, 0).log["note"], "");
   const std::vector<double> forces = GuardedForces();
-  // The first grasp, then four edges: every probe lightly but for the last, which presses harder.
+  // The first grasp, then eight edges: every probe lightly but for the last, which presses harder.
   const GraspLiftConfig& config = config_.grasp_lift;
   const auto tries = static_cast<std::size_t>(1 + config.retries);
   const auto probes = static_cast<std::size_t>(config.probes);
-  ASSERT_EQ(forces.size(), tries + 4 * (probes - 1 + tries));
+  ASSERT_EQ(forces.size(), tries + 8 * (probes - 1 + tries));
   for (std::size_t k = 0; k < forces.size(); ++k) {
     const std::size_t edge = k < tries ? 0 : (k - tries) % (probes - 1 + tries);
     const std::size_t harder = k < tries ? k : edge < probes ? 0 : edge - (probes - 1);
@@ -282,14 +332,14 @@ TEST_F(BaggingEnvTest, GraspLiftFeelsForTheEdgeFromOutsideInwards) {
   const GraspLiftConfig& config = config_.grasp_lift;
   rig_.nothing_beyond_m = config.probe_from_m - 1.5 * config.probe_step_m;
   rig_.contact_height_m = 0.001;
-  (void)Act(0, 4 * 9, 1);
+  (void)Act(0, 4 * 9, 0);
   // Where the fingers closed, from the second grasp on: three times on the way in, to each side.
   std::vector<Eigen::Vector2d> closed;
   for (const Move& move : rig_.moves) {
     if (move.kind != Move::kFingers || move.value != 0) continue;
     closed.push_back(move.X_WT.translation().head<2>());
   }
-  ASSERT_EQ(closed.size(), 1 + 4 * 3u);
+  ASSERT_EQ(closed.size(), 1 + 8 * 3u);
   for (std::size_t k = 1; k < closed.size(); ++k) {
     const double probe = static_cast<double>((k - 1) % 3);
     EXPECT_NEAR(closed[k].norm(), config.probe_from_m - probe * config.probe_step_m, 1e-9);
@@ -305,8 +355,10 @@ TEST_F(BaggingEnvTest, GraspLiftPullsTheEdgeOutwardsByPullWhereTheArmReaches) {
   (void)env.Begin("0", 5);
   (void)env.Act(4 * 9);
   const std::vector<Eigen::Vector3d> path = HeldPath();
-  ASSERT_EQ(path.size(), 20u);
-  for (const int end : {7, 11, 15, 19}) EXPECT_NEAR(path[end].head<2>().norm(), 0.15, 1e-9);
+  ASSERT_EQ(path.size(), 36u);
+  for (std::size_t end = 7; end < path.size(); end += 4) {
+    EXPECT_NEAR(path[end].head<2>().norm(), 0.15, 1e-9);
+  }
 }
 
 TEST_F(BaggingEnvTest, GraspLiftBeginsAboveTheEdgeAtItsPoint) {

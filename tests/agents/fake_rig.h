@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -25,7 +26,8 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
 
   int state = 0;
   int next = 0;
-  int refuse_at = -1;  ///< Index of the move (fingers not counted) that is refused ...
+  int unchanged_looks = 0;  ///< So often the arm leaves the view without the world becoming `next`.
+  int refuse_at = -1;       ///< Index of the move (fingers not counted) that is refused ...
   MoveEnd refusal = MoveEnd::kUnreachable;
   bool corner_folded = false;        ///< In s2, with both layers.
   bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
@@ -88,7 +90,8 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     return result;
   }
   MoveResult MoveToWaitingPose() override {
-    state = next;
+    const auto left = std::ranges::count(moves, Move::kWaitingPose, &Move::kind);
+    if (left >= unchanged_looks) state = next;
     return Note({Move::kWaitingPose, X_WT_, 0});
   }
   double MoveGripper(double opening_m, double, double) override {

@@ -121,6 +121,24 @@ TEST(Reach, DiscIsReachedWithAtMost15DegreesOfTilt) {
   EXPECT_GT(most, 5 * kDegree);  // beside the base upright is not possible
 }
 
+// With 15 degrees a cube there could never be picked up, and an episode repeated that five times.
+TEST(Reach, ACubeBesideThePedestalIsReachedByTiltingMore) {
+  MotionPlanner planner(Iiwa());
+  double most = 0;
+  for (const double x : {-0.13, -0.11, 0.11, 0.13}) {
+    for (const double z : {0.005, 0.12}) {
+      for (const double yaw : {0.0, 45.0, 90.0}) {
+        const Eigen::Vector3d p(x, -0.295, z);  // the lower edge of the region of interest
+        const auto q = planner.Reach(DownwardPose(p, yaw * kDegree), Iiwa().posture());
+        ASSERT_TRUE(q) << p.transpose() << " yaw " << yaw;
+        most = std::max(most, Tilt(Iiwa().ToolPose(*q)));
+      }
+    }
+  }
+  EXPECT_GT(most, 15 * kDegree);
+  EXPECT_LE(most, 30.01 * kDegree);
+}
+
 TEST(Reach, LiftColumnIsReachedTilted29Degrees) {
   MotionPlanner planner(Iiwa());
   for (double z = 0.05; z < 0.61; z += 0.11) {
