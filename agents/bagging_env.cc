@@ -188,17 +188,21 @@ Percept BaggingEnv::Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) {
 }
 
 bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
-  tool.GoToWaitingPose();
-  tool.Wait(config_.motion.settle_s);
+  tool.LeaveTheView();
   const Observation seen =
       Perceive(camera_.Look(), camera_.model(), config_.perception, thresholds_);
-  if (seen.state == State::kUnfolded) {
-    return seen.A_bag >= config_.grasp_lift.flat_share * thresholds_.A_flat;
+  switch (seen.state) {
+    case State::kFolded:
+      return false;
+    case State::kUnfolded:
+      return seen.A_bag >= config_.grasp_lift.flat_share * thresholds_.A_flat;
+    case State::kOpen:
+      // Folded so that both lips show, a bag has a mouth that it would have to be rid of first.
+      return TakesTheCube(MouthOf(seen, camera_.model(), config_.perception.table_height_m),
+                          config_.pick_place);
+    default:
+      return true;  // it lies on the cube or is gone: not for this pair to mend
   }
-  if (seen.state != State::kOpen) return seen.state != State::kFolded;
-  // Folded so that both lips show, a bag has a mouth that it would have to be rid of first.
-  const auto mouth = MouthOf(seen, camera_.model(), config_.perception.table_height_m);
-  return !mouth || !mouth->width || TakesTheCube(*mouth->width, config_.pick_place);
 }
 
 PrimitiveReport BaggingEnv::Perform(int point, int parameter) {

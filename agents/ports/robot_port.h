@@ -35,10 +35,10 @@ class RobotPort {
   /// Straight line of the tool to X_WT at no more than speed_m_s, within all joint limits (slower
   /// where they demand it). Orientation is interpolated along. Tolerances: the gripper may arrive
   /// turned by half a turn about its approach axis, which exchanges its fingers; and where the arm
-  /// has no way to X_WT as asked, it may tilt the tool by up to 30 degrees about its tip, in the
-  /// vertical plane through the arm's base. Where there is no straight line, the arm goes another
-  /// way: straight up, across with the tool at 0.12 m above the table or higher, straight down.
-  /// Only a goal at 0.075 m or higher above which nothing is reachable is come to on a slant.
+  /// has no way to X_WT as asked, it may tilt the tool by up to 30 degrees more about its tip, in
+  /// the vertical plane through the arm's base. Where there is no straight line, the arm goes
+  /// another way: straight up, across with the tool at 0.12 m above the table or higher, straight
+  /// down. Only a goal at 0.075 m or higher above which nothing is reachable is come to on a slant.
   virtual MoveResult MoveTo(const Eigen::Isometry3d& X_WT, double speed_m_s) = 0;
   /// As MoveTo, but on a straight line only, and stops when the force estimated along the motion
   /// has changed by more than force_N since its start.

@@ -98,7 +98,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
 
   // ... and pull it flat by its edge: to either side, back and forth, ...
   std::vector<Vector3d> ways = {side, -side, -along, along};
-  // ... and, while it is seen to be folded still, along the diagonals.
+  // ... and, while it is not seen to be unfolded, along the diagonals.
   const bool looks = config.looks && is_unfolded;
   if (looks) {
     for (const Vector3d& way : {Vector3d(side + along), Vector3d(side - along)}) {

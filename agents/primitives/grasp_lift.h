@@ -18,7 +18,7 @@ struct GraspLiftConfig {
   int retries = 3;                ///< ... and if nothing is between the pads then, so often again,
   double press_factor = 1.6;      ///< pressing so many times as hard.
   double lift_speed_m_s = 0.25;
-  double lift_low_m = 0.30;    ///< Height for parameter 0 ...
+  double lift_low_m = 0.30;    ///< Height for parameter 0 (0.36 is out of reach) ...
   double lift_step_m = 0.002;  ///< ... and from one parameter to the next.
   double tilt_deg = -29;       ///< Of the gripper above tilt_above_m (29 in the authors' code);
                                ///< < 0: the wrist leans away from the base.
@@ -31,9 +31,10 @@ struct GraspLiftConfig {
   int probes = 6;               ///< ... so many times at most, ...
   double pull_m = 0.16;         ///< ... and pulled out so far, reach_m permitting, ...
   double pull_height_m = 0.06;  ///< ... over this height.
-  bool looks = true;            ///< Between strokes: it is left once it is unfolded ...
-  double flat_share = 0.82;     ///< ... and this much of it, laid flat, is seen.
-  double reach_m = 0.245;       ///< The fingertips stay this close to the table's middle.
+  bool looks = true;  ///< Between strokes, which end once it is unfolded: in s2 with a mouth that
+                      ///< takes the cube, in s1 with ...
+  double flat_share = 0.82;  ///< ... this much of the flat bag in sight. Tuned on Bag 1.
+  double reach_m = 0.245;    ///< The fingertips stay this close to the table's middle.
   double release_height_m = 0.008;
   double release_opening_m = 0.045;  ///< Half open: wide open, they may stretch a fold they are in.
   double rise_m = 0.08;              ///< After a release, and before the next grasp.
@@ -49,7 +50,7 @@ struct GraspLiftConfig {
     v("retries", retries, Range{0, 10});
     v("press_factor", press_factor, Range{1, 3});
     v("lift_speed_m_s", lift_speed_m_s, Range{0.01, 1});
-    v("lift_low_m", lift_low_m, Range{0.02, 0.3});
+    v("lift_low_m", lift_low_m, Range{0.02, 0.36});
     v("lift_step_m", lift_step_m, Range{0, 0.04});
     v("tilt_deg", tilt_deg, Range{-40, 40});
     v("tilt_above_m", tilt_above_m, Range{0.05, 0.5});
@@ -78,7 +79,7 @@ struct GraspLiftConfig {
 void LayDown(ToolMotion& tool, const Eigen::Vector3d& high_W, const Eigen::Vector3d& to_W,
              double closing_rad, double opening_m, const GraspLiftConfig& config);
 
-/// Unfolds in five strokes or more. The first grasps the bag at p_W, or as near it as the arm
+/// Unfolds in one to nine strokes. The first grasps the bag at p_W, or as near it as the arm
 /// reaches, lifts it to lift_height_m(parameter), parameter 0 to 8, over the table's middle and
 /// beyond, so that it hangs and unfolds under its weight, and lays it across the middle: its far
 /// end comes down first and table friction holds it. The others pull it flat by its edges, which

@@ -44,15 +44,16 @@ void LayFlat(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config
 
 }  // namespace
 
-bool TakesTheCube(const Mouth::Width& width, const PickPlaceConfig& config) {
-  return width.closed && !IsNarrow(width, config);
+bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& config) {
+  if (!mouth || !mouth->width) return true;
+  return mouth->width->closed && !IsNarrow(*mouth->width, config);
 }
 
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const GraspLiftConfig& lift,
                const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  if (mouth && mouth->width && !TakesTheCube(*mouth->width, config)) {
+  if (!TakesTheCube(mouth, config)) {
     if (IsNarrow(*mouth->width, config) && mouth->width->length_m >= config.slit_m) {
       tool.Note("mouth widened instead");
       return Widen(tool, *mouth, config, scratch, motion);

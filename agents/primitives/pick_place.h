@@ -51,8 +51,9 @@ struct PickPlaceConfig {
   }
 };
 
-/// Whether PickPlace would place the cube in such a mouth rather than mend it.
-bool TakesTheCube(const Mouth::Width& width, const PickPlaceConfig& config);
+/// Whether PickPlace would place the cube in such a mouth rather than mend it; so it does where
+/// nothing is known of its width.
+bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& config);
 
 /// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
 /// layer that was drawn back rather than onto it, and lets go. The cube stays where it is if the

@@ -26,6 +26,10 @@ const char* Named(MoveEnd end) {
   return "";
 }
 
+std::string SecondTry(MoveEnd end) {
+  return std::string("waiting pose at second try: ") + Named(end);
+}
+
 Eigen::Isometry3d Pose(const Eigen::Matrix3d& R_WT, const Eigen::Vector3d& p_W) {
   Eigen::Isometry3d X_WT = Eigen::Isometry3d::Identity();
   X_WT.linear() = R_WT;
@@ -119,6 +123,19 @@ double ToolMotion::Fingers(double opening_m) {
 
 void ToolMotion::GoToWaitingPose() { Finish(robot_.MoveToWaitingPose(), "waiting pose"); }
 
+std::optional<MoveEnd> ToolMotion::Leave() {
+  if (robot_.MoveToWaitingPose().end == MoveEnd::kReached) return std::nullopt;
+  // Whatever it holds or hangs on stopped it: let go and try once more.
+  LetGoAndRise();
+  return robot_.MoveToWaitingPose().end;
+}
+
+void ToolMotion::LeaveTheView() {
+  const std::optional<MoveEnd> again = Leave();
+  if (again.value_or(MoveEnd::kReached) != MoveEnd::kReached) throw Aborted(SecondTry(*again));
+  Wait(config_.settle_s);
+}
+
 void ToolMotion::LetGoAndRise() {
   OpenFingers();
   const Eigen::Isometry3d X_WT = robot_.Read().X_WT;
@@ -139,14 +156,9 @@ PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
     report = {false, aborted.what()};
     tool.LetGoAndRise();
   }
-  MoveEnd end = robot.MoveToWaitingPose().end;
-  if (end != MoveEnd::kReached) {
-    // Whatever it holds or hangs on stopped it: let go and try once more.
-    tool.LetGoAndRise();
-    end = robot.MoveToWaitingPose().end;
+  if (const std::optional<MoveEnd> again = tool.Leave()) {
     report.completed = false;
-    report.note +=
-        std::string(report.note.empty() ? "" : "; ") + "waiting pose at second try: " + Named(end);
+    report.note += (report.note.empty() ? "" : "; ") + SecondTry(*again);
   }
   robot.Wait(config.settle_s);
   return report;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -115,6 +116,11 @@ class ToolMotion {
   void Wait(double seconds) { robot_.Wait(seconds); }
   /// To where the arm waits outside the camera's view.
   void GoToWaitingPose();
+  /// The same; if something stops the arm it lets go, rises and tries once more. Never throws.
+  /// @returns how the second try ended, if it took one.
+  std::optional<MoveEnd> Leave();
+  /// Leaves so in the middle of an action, for a look, and waits until things have settled.
+  void LeaveTheView();
   /// What pulls or pushes at the tool now, N, as felt in the joints; at rest, the weight of what is
   /// held.
   double FeltForce() { return robot_.Read().tool_force_N; }

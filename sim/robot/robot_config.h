@@ -33,8 +33,8 @@ struct RobotConfig {
   double tool_acceleration_m_s2 = 2;  ///< Bound on a motion along its path; tuned.
   double travel_speed_m_s = 0.5;      ///< Of the tool on the way to the waiting pose.
 
-  /// Radial tilt allowed where the asked one is unreachable, as much as a lift over the middle has:
-  /// with 15 a cube beside the pedestal, in the camera's sight, could not be picked up.
+  /// Radial tilt allowed, beyond what is asked, where that is unreachable; as much as a lift over
+  /// the middle has. With 15 a cube beside the pedestal's corners could not be picked up.
   double max_tilt_deg = 30;
   double free_height_m = 0.15;    ///< Joint-space moves keep the fingertips above this.
   double base_keep_out_m = 0.17;  ///< Fingertips stay out of this cylinder round the base.

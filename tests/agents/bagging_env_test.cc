@@ -250,8 +250,20 @@ TEST_F(BaggingEnvTest, GraspLiftStopsPullingOnceTheBagLooksUnfolded) {
     EXPECT_EQ(strokes(), 1u + static_cast<std::size_t>(pulls));
     EXPECT_EQ(looks(), pulls + 1);
   }
-  // An open mouth will do, but not what a fold leaves of one.
+  // A cube that it lies on and a bag that is gone are not for more pulls to mend.
   rig_.unchanged_looks = 0;
+  for (const int next : {3, 4, 5}) {
+    (void)Act(0, 9, next);
+    EXPECT_EQ(strokes(), 1u) << next;
+  }
+  // Each look waits for the cloth, as the last one does.
+  config_.motion.settle_s += 10;
+  BaggingEnv patient(rig_, rig_, rig_, rig_, config_);
+  rig_.next = 1;
+  (void)patient.Begin("0", 5);
+  const double later_s = patient.Act(9).sim_s - Act(0, 9, 1).sim_s;
+  EXPECT_NEAR(later_s, 2 * 10, 1e-9);
+  // An open mouth will do, but not what a fold leaves of one.
   (void)Act(0, 9, 2);
   EXPECT_EQ(strokes(), 1u);
   rig_.corner_folded = true;
@@ -748,6 +760,19 @@ TEST_F(BaggingEnvTest, AnArmThatCannotLeaveTheViewLetsGoAndTriesAgain) {
   rig_.refuse_at = motions - 1;
   const Outcome outcome = Act(3, 0, 4);
   EXPECT_THAT(outcome.log["note"].get<std::string>(), testing::HasSubstr("second try: reached"));
+}
+
+TEST_F(BaggingEnvTest, ALookBetweenStrokesIsTriedAgainToo) {
+  (void)Act(0, 9, 1);
+  int first_look = 0;
+  for (const Move& move : rig_.moves) {
+    if (move.kind == Move::kWaitingPose) break;
+    first_look += move.kind != Move::kFingers;
+  }
+  rig_.refuse_at = first_look;
+  rig_.unchanged_looks = 3;  // the one that is refused among them
+  EXPECT_EQ(Act(0, 9, 1).log["note"], "");
+  EXPECT_EQ(HeldPath().size() / 4, 3u) << "and the pulls go on";
 }
 
 TEST_F(BaggingEnvTest, StartsAndRestoresThroughTheScene) {

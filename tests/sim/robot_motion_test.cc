@@ -121,18 +121,22 @@ TEST(Reach, DiscIsReachedWithAtMost15DegreesOfTilt) {
   EXPECT_GT(most, 5 * kDegree);  // beside the base upright is not possible
 }
 
-// With 15 degrees a cube there could never be picked up, and an episode repeated that five times.
-TEST(Reach, ACubeBesideThePedestalIsReachedByTiltingMore) {
+// With 15 degrees of tilt a cube there could never be picked up, and an episode tried five times.
+TEST(Reach, ACubeBesideThePedestalsCornersIsComeToFromAbove) {
   MotionPlanner planner(Iiwa());
   double most = 0;
   for (const double x : {-0.13, -0.11, 0.11, 0.13}) {
-    for (const double z : {0.005, 0.12}) {
-      for (const double yaw : {0.0, 45.0, 90.0}) {
-        const Eigen::Vector3d p(x, -0.295, z);  // the lower edge of the region of interest
-        const auto q = planner.Reach(DownwardPose(p, yaw * kDegree), Iiwa().posture());
-        ASSERT_TRUE(q) << p.transpose() << " yaw " << yaw;
-        most = std::max(most, Tilt(Iiwa().ToolPose(*q)));
-      }
+    for (const double yaw : {0.0, 45.0, 90.0}) {
+      const Eigen::Vector3d above(x, -0.295, 0.12);  // the region of interest's lower edge
+      const auto there = planner.To(Iiwa().waiting(), DownwardPose(above, yaw * kDegree), 0.4);
+      ASSERT_TRUE(there) << above.transpose() << " yaw " << yaw;
+      Check(*there, Iiwa().waiting());
+      Eigen::Isometry3d low = Iiwa().ToolPose(there->back().end());
+      low.translation().z() = 0.0125;
+      const auto down = planner.To(there->back().end(), low, 0.15);
+      ASSERT_TRUE(down) << above.transpose() << " yaw " << yaw;
+      Check(*down, there->back().end());
+      most = std::max(most, Tilt(Iiwa().ToolPose(down->back().end())));
     }
   }
   EXPECT_GT(most, 15 * kDegree);
