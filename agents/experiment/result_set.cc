@@ -2,12 +2,15 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <functional>
 #include <set>
 
 #include "agents/evaluator.h"
 #include "agents/experiment/commands.h"
 #include "agents/experiment/intervals.h"
+#include "base/error.h"
+#include "base/files.h"
 
 namespace gusset {
 namespace {
@@ -255,11 +258,14 @@ class Rows {
   std::vector<ResultRow> rows_;
 };
 
-std::string CsvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
+const std::vector<std::string>& CsvHead() {
+  static const std::vector<std::string> head = {
+      "table",   "row",          "column",        "seed",
+      "n",       "successes",    "value",         "low",
+      "high",    "published",    "published_low", "published_high",
+      "unit",    "seconds_wall", "seconds_sim",   "command",
+      "versions"};
+  return head;
 }
 
 template <class T>
@@ -300,25 +306,46 @@ nlohmann::ordered_json ResultJson(const std::vector<ResultRow>& rows) {
   return all;
 }
 
-std::string ResultCsv(const std::vector<ResultRow>& rows) {
-  std::string csv =
-      "table,row,column,seed,n,successes,value,low,high,published,published_low,published_high,"
-      "unit,seconds_wall,seconds_sim,command,versions\n";
+std::string ResultCsv(const std::vector<ResultRow>& rows, const std::vector<CsvRecord>& others) {
+  std::string csv = CsvLine(CsvHead());
   for (const nlohmann::ordered_json& row : ResultJson(rows)) {
-    std::string line;
+    std::vector<std::string> fields;
     for (const auto& [key, value] : row.items()) {
-      std::string field;
-      if (value.is_string()) field = CsvField(value.get<std::string>());
+      std::string& field = fields.emplace_back();
+      if (value.is_string()) field = value.get<std::string>();
       if (value.is_number_integer()) field = std::to_string(value.get<int>());
       if (value.is_number_float()) {
         field = fmt::format(fmt::runtime(key.starts_with("seconds") ? "{:.1f}" : "{:.6g}"),
                             value.get<double>());
       }
-      line += (line.empty() && key == "table" ? "" : ",") + field;
     }
-    csv += line + "\n";
+    csv += CsvLine(fields);
   }
+  for (const CsvRecord& record : others) csv += CsvLine(record.fields);
   return csv;
+}
+
+std::vector<CsvRecord> OtherLines(const std::filesystem::path& file, const ExperimentPlan& plan) {
+  std::vector<CsvRecord> records = ParseCsv(ReadFile(file), file.string());
+  if (records.empty()) return records;
+  const std::size_t columns = CsvHead().size();
+  for (const CsvRecord& record : records) {
+    const std::string where = file.string() + ":" + std::to_string(record.line) + ": ";
+    if (&record == &records.front() && record.fields != CsvHead()) {
+      throw InputError(where + "is not the head of an experiment's results");
+    }
+    if (record.fields.size() != columns) {
+      throw InputError(where + "has " + std::to_string(record.fields.size()) + " fields, not " +
+                       std::to_string(columns));
+    }
+  }
+  records.erase(records.begin());
+  std::erase_if(records, [&](const CsvRecord& record) {
+    return std::ranges::any_of(plan.rows, [&](const RowPlan& row) {
+      return row.table == record.fields[0] && row.row == record.fields[1];
+    });
+  });
+  return records;
 }
 
 }  // namespace gusset

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "agents/experiment/published.h"
 #include "agents/experiment/training_result.h"
 #include "agents/experiment/trial.h"
+#include "base/csv.h"
 
 namespace gusset {
 
@@ -50,8 +52,13 @@ std::vector<ResultRow> MakeResultRows(const ExperimentPlan& plan, const Experime
                                       const Finished& finished, const Published& published,
                                       const ResultContext& context);
 
-/// results.csv (RFC 4180, lines end in \n), with a head.
-std::string ResultCsv(const std::vector<ResultRow>& rows);
+/// results.csv (RFC 4180, lines end in \n), with a head: `rows`, then the lines of `others`.
+std::string ResultCsv(const std::vector<ResultRow>& rows,
+                      const std::vector<CsvRecord>& others = {});
+
+/// What a results.csv holds of rows that are not in the plan: of other tables and trainings.
+/// @throws InputError naming file and line if it is not as ResultCsv writes it, or cannot be read.
+std::vector<CsvRecord> OtherLines(const std::filesystem::path& file, const ExperimentPlan& plan);
 
 /// The same as JSON: an array of objects with the head's keys; what is empty is null.
 nlohmann::ordered_json ResultJson(const std::vector<ResultRow>& rows);

@@ -92,9 +92,11 @@ class Runner {
         context_(context),
         rig_(rig),
         user_stop_(stop),
+        results_(fs::path(context.out) / "results.csv"),
         units_(MakeUnits(plan, options)) {}
 
   ExperimentResult Run(int jobs, const std::function<void(const ExperimentProgress&)>& report) {
+    if (Exists(results_)) others_ = OtherLines(results_, plan_);
     FindFinished();
     WriteResults();
     begun_ = Clock::now();
@@ -309,9 +311,7 @@ class Runner {
   std::vector<ResultRow> Rows() const {
     return MakeResultRows(plan_, options_, finished_, published_, context_);
   }
-  void WriteResults() const {
-    WriteFileAtomic(fs::path(context_.out) / "results.csv", ResultCsv(Rows()));
-  }
+  void WriteResults() const { WriteFileAtomic(results_, ResultCsv(Rows(), others_)); }
 
   const ExperimentPlan& plan_;
   const ExperimentOptions& options_;
@@ -319,6 +319,8 @@ class Runner {
   const ResultContext& context_;
   ExperimentRig& rig_;
   const std::function<bool()>& user_stop_;
+  const fs::path results_;
+  std::vector<CsvRecord> others_;  // of what was asked for earlier
   std::atomic<bool> abandoned_ = false;
 
   mutable std::mutex mutex_;  // of all below, but for the units' counts

@@ -88,14 +88,14 @@ struct ExperimentResult {
 /// each other but for a trial on its training; so the result does not depend on `jobs` or on what
 /// was interrupted. A unit that cannot be finished is left out, and those that need it.
 ///
-///   results.csv                 the result set
+///   results.csv                 the result set; rows that are not in the plan stay in it
 ///   trainings/NAME-seedN/       run folders
 ///   trials/CELL-seedN/*.json    folded, unfolded, attempts; *.journal/ of those not finished: what
 ///                               their actions led to, so that no action is done twice
 ///
 /// @param report  called on the caller's thread, about once a second and after each unit.
-/// @throws InputError if something in the folder is not of this plan, RunError if `stop` becomes
-/// true.
+/// @throws InputError if something in the folder is not of this plan or its results.csv none,
+/// RunError if `stop` becomes true.
 ExperimentResult RunExperiment(const ExperimentPlan& plan, const ExperimentOptions& options,
                                const Published& published, const ResultContext& context,
                                ExperimentRig& rig, int jobs, const std::function<bool()>& stop,

@@ -1,12 +1,12 @@
 #include "agents/report/results_csv.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
 
+#include "base/csv.h"
 #include "base/error.h"
 #include "base/files.h"
 
@@ -92,48 +92,6 @@ void Add(const Line& line, ResultCell& cell) {
 
 }  // namespace
 
-std::vector<CsvRecord> ParseCsv(std::string_view text, const std::string& name) {
-  std::vector<CsvRecord> records;
-  int line = 1;
-  for (std::size_t i = 0; i < text.size();) {
-    CsvRecord record{line, {""}};
-    bool quoted = false;
-    bool was_quoted = false;
-    for (; i < text.size(); ++i) {
-      const char c = text[i];
-      if (c == '\n') ++line;
-      std::string& field = record.fields.back();
-      if (quoted) {
-        if (c != '"') {
-          field += c;
-        } else if (i + 1 < text.size() && text[i + 1] == '"') {
-          field += text[++i];
-        } else {
-          quoted = false;
-        }
-      } else if (c == '"') {
-        if (!field.empty() || was_quoted) {
-          throw InputError(name + ":" + std::to_string(line) + ": a quote amid a field");
-        }
-        quoted = was_quoted = true;
-      } else if (c == ',') {
-        record.fields.emplace_back();
-        was_quoted = false;
-      } else if (c == '\n') {
-        ++i;
-        break;
-      } else if (c != '\r') {
-        field += c;
-      }
-    }
-    if (quoted) {
-      throw InputError(name + ":" + std::to_string(record.line) + ": a quote does not close");
-    }
-    records.push_back(std::move(record));
-  }
-  return records;
-}
-
 std::vector<ResultCell> ReadResults(const std::filesystem::path& file) {
   const std::string name = file.string();
   const std::vector<CsvRecord> records = ParseCsv(ReadFile(file), name);
@@ -146,7 +104,11 @@ std::vector<ResultCell> ReadResults(const std::filesystem::path& file) {
     }
   }
   std::vector<ResultCell> cells;
-  std::map<std::tuple<std::string, std::string, std::string>, std::set<std::string>> seeds;
+  struct Place {
+    std::size_t cell;
+    std::set<std::string> seeds;
+  };
+  std::map<std::tuple<std::string, std::string, std::string>, Place> places;
   for (std::size_t i = 1; i < records.size(); ++i) {
     const CsvRecord& record = records[i];
     if (record.fields.size() != records[0].fields.size()) {
@@ -155,26 +117,20 @@ std::vector<ResultCell> ReadResults(const std::filesystem::path& file) {
                        std::to_string(records[0].fields.size()));
     }
     const Line line(name, record, columns);
-    const auto same = std::ranges::find_if(cells, [&](const ResultCell& cell) {
-      return cell.table == line.Text("table") && cell.row == line.Text("row") &&
-             cell.column == line.Text("column");
-    });
-    const auto place = std::tuple(line.Text("table"), line.Text("row"), line.Text("column"));
-    if (!seeds[place].insert(line.Text("seed")).second) {
+    const auto key = std::tuple(line.Text("table"), line.Text("row"), line.Text("column"));
+    const auto [at, is_new] = places.try_emplace(key, Place{cells.size(), {}});
+    if (!at->second.seeds.insert(line.Text("seed")).second) {
       line.Refuse("seed", "stands in an earlier line of this table, row and column");
     }
-    if (same == cells.end()) {
+    if (is_new) {
       ResultCell& cell = cells.emplace_back();
-      cell.table = line.Text("table");
-      cell.row = line.Text("row");
-      cell.column = line.Text("column");
+      std::tie(cell.table, cell.row, cell.column) = key;
       cell.unit = line.Text("unit");
       cell.published = line.Read("published", "published_low", "published_high");
-      Add(line, cell);
-    } else {
-      if (line.Text("unit") != same->unit) line.Refuse("unit", "was " + same->unit + " before");
-      Add(line, *same);
     }
+    ResultCell& cell = cells[at->second.cell];
+    if (line.Text("unit") != cell.unit) line.Refuse("unit", "was " + cell.unit + " before");
+    Add(line, cell);
   }
   return cells;
 }

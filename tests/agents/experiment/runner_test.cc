@@ -211,6 +211,40 @@ TEST_F(ExperimentTest, TheResultSetHasALineForEverySeedAndAPooledOne) {
   EXPECT_TRUE(json[0]["n"].is_null());
 }
 
+TEST_F(ExperimentTest, PartsThatAreAddedLaterStandBesideThoseThatWereThere) {
+  const auto sorted = [](const std::string& text) {
+    std::multiset<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.insert(line);
+    return lines;
+  };
+  TableRig rig;
+  Run(dir_ / "whole", rig);
+  const std::filesystem::path parts = dir_ / "parts";
+  for (const char* agent : {"pi30", "pi10"}) {
+    options_.agents = {agent};
+    Run(parts, rig);
+  }
+  EXPECT_EQ(sorted(Comparable(parts)), sorted(Comparable(dir_ / "whole")));
+
+  // Asked for again with one seed, a row is of that seed; the others stay.
+  const auto seeds = [&](const std::string& name) {
+    std::set<std::string> found;
+    for (const Line& row : ReadCsv(Slurp(parts))) {
+      if (row.at("row") == name) found.insert(row.at("seed"));
+    }
+    return found;
+  };
+  options_.seeds = 1;
+  Run(parts, rig);
+  EXPECT_THAT(seeds("pi10"), testing::ElementsAre("1", "pooled"));
+  EXPECT_THAT(seeds("pi30"), testing::ElementsAre("1", "2", "pooled"));
+
+  WriteFileAtomic(parts / "results.csv", "table,row\n");
+  EXPECT_THROW(Run(parts, rig), InputError) << "somebody else's file is not written over";
+  EXPECT_EQ(Slurp(parts), "table,row\n");
+}
+
 TEST_F(ExperimentTest, PooledLinesSumUpTheSeedsAndStandBesideThePublishedOnes) {
   TableRig rig;
   options_ = all_;

@@ -30,18 +30,6 @@ class ResultsCsv : public FolderTest {
   }
 };
 
-TEST(ParseCsv, KeepsWhatIsQuoted) {
-  const auto records = ParseCsv("a,\"b,\"\"c\"\"\nd\",\r\n,\"\"\nlast", "x.csv");
-  ASSERT_EQ(records.size(), 3u);
-  EXPECT_THAT(records[0].fields, ElementsAre("a", "b,\"c\"\nd", ""));
-  EXPECT_THAT(records[1].fields, ElementsAre("", ""));
-  EXPECT_EQ(records[1].line, 3) << "a quoted newline counts";
-  EXPECT_THAT(records[2].fields, ElementsAre("last"));
-  EXPECT_TRUE(ParseCsv("", "x.csv").empty());
-  EXPECT_THROW((void)ParseCsv("a\n\"b", "x.csv"), InputError);
-  EXPECT_THROW((void)ParseCsv("a\"b\"", "x.csv"), InputError);
-}
-
 TEST_F(ResultsCsv, OneCellHoldsItsSeedsThePooledLineAndThePublishedFigure) {
   const auto cells = Read(std::string(kHead) +
                           "5.6,pi100,step1,1,20,15,0.75,0.53,0.89,0.7,0.4,0.89,rate,1,2,c1,v\n"
