@@ -212,11 +212,15 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
   const double table_m = config_.perception.table_height_m;
   const std::optional<Mouth> mouth = MouthOf(before_, camera_.model(), table_m);
   return PerformAndLeave(robot_, motion, [&](ToolMotion& tool) {
+    const Unfold unfold = [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& centre_W,
+                              int height) {
+      GraspLift(tool, from_W, centre_W, height, config_.grasp_lift, motion,
+                [&] { return LooksUnfolded(tool); });
+    };
     switch (before_.state) {
       case State::kFolded:
-        return GraspLift(tool, before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
-                         camera_.model().OntoPlane(before_.bag_centroid, table_m), parameter,
-                         config_.grasp_lift, motion, [&] { return LooksUnfolded(tool); });
+        return unfold(before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
+                      camera_.model().OntoPlane(before_.bag_centroid, table_m), parameter);
       case State::kUnfolded:
         return ScratchDrag(tool, p_W,
                            before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,
@@ -224,7 +228,7 @@ PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
       case State::kOpen:
         if (!before_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
         return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, mouth,
-                         config_.pick_place, config_.grasp_lift, config_.scratch_drag, motion);
+                         config_.pick_place, unfold, config_.scratch_drag, motion);
       case State::kFilled:
         return CloseCarry(tool, p_W, along_W, mouth,
                           before_.cube ? before_.cube->p_W

@@ -12,7 +12,6 @@ namespace gusset {
 namespace {
 
 constexpr int kMostAttempts = 300;
-constexpr int kDropsInARow = 8;  // before a dropped bag is laid flat again
 constexpr float kDropHeight_m = 0.30f;
 constexpr double kFoldTime_s = 0.7;
 constexpr double kSettle_s = 0.5;
@@ -235,8 +234,9 @@ Start MakeFoldedStart(const BagConfig& bag, const ClothSolverConfig& solver,
     Rng rng(DeriveSeed(seed, "fold attempt", static_cast<std::uint64_t>(start.attempts)));
     const double yaw = rng.Uniform(0, 2 * std::numbers::pi);
     const bool other_side = rng.Below(2) == 1;
-    // Folds begin with a flat bag; a bag that was dropped is picked up again as it lies.
-    if (start.kind == FoldKind::kFolds || start.attempts % kDropsInARow == 1) {
+    // Folds begin with a flat bag; a bag that was dropped is picked up again as it lies: laid flat
+    // every 4, 8 or 16 drops it takes more of them (docs/performance.md).
+    if (start.kind == FoldKind::kFolds || start.attempts == 1) {
       LayFlat(cloth, bag, yaw, other_side, Vec3f::Zero());
     }
     Hands hands(cloth, 1.0 / solver.substeps_per_s);

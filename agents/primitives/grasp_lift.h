@@ -95,4 +95,8 @@ void GraspLift(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector
                int parameter, const GraspLiftConfig& config, const MotionConfig& motion,
                const std::function<bool()>& is_unfolded = {});
 
+/// GraspLift with its tool, settings and looks: what unfolds a bag for another pair.
+using Unfold =
+    std::function<void(const Eigen::Vector3d& p_W, const Eigen::Vector3d& centre_W, int parameter)>;
+
 }  // namespace gusset

@@ -35,11 +35,9 @@ void Widen(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
 }
 
 // Lays the bag flat by its near lip, from which it hangs as it is sewn.
-void LayFlat(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
-             const GraspLiftConfig& lift, const MotionConfig& motion) {
+void LayFlat(const Mouth& mouth, const PickPlaceConfig& config, const Unfold& unfold) {
   constexpr int kMiddle = 4;  // of GraspLift's parameters; which one hardly matters here
-  GraspLift(tool, mouth.near_W - config.grasp_inset_m * mouth.Outward_W(), mouth.drawn_W, kMiddle,
-            lift, motion);
+  unfold(mouth.near_W - config.grasp_inset_m * mouth.Outward_W(), mouth.drawn_W, kMiddle);
 }
 
 }  // namespace
@@ -51,7 +49,7 @@ bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& conf
 
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const GraspLiftConfig& lift,
+               const PickPlaceConfig& config, const Unfold& unfold,
                const ScratchDragConfig& scratch, const MotionConfig& motion) {
   if (!TakesTheCube(mouth, config)) {
     if (IsNarrow(*mouth->width, config) && mouth->width->length_m >= config.slit_m) {
@@ -59,7 +57,7 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
       return Widen(tool, *mouth, config, scratch, motion);
     }
     tool.Note("bag laid flat instead");
-    return LayFlat(tool, *mouth, config, lift, motion);
+    return LayFlat(*mouth, config, unfold);
   }
   // Never below 5 mm: the fingertips would press on the table.
   const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);

@@ -57,14 +57,14 @@ bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& conf
 
 /// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
 /// layer that was drawn back rather than onto it, and lets go. The cube stays where it is if the
-/// mouth is too narrow for it, when a long one is widened and a bag with a short one laid flat, or
-/// if a single lip is all that is seen: then the bag is laid flat, too.
+/// mouth is too narrow for it: a long one is widened, a bag with a short one laid flat. So is one
+/// whose mouth has room, if a single lip is all that is seen of it.
 /// @param cube_W  centre of the cube. @param yaw_rad  of one of its edges about z.
 /// @param mouth  none if rim or lips are not seen: then the cube comes down at place_W.
-/// @param lift how a bag is laid flat. @param scratch how a mouth is widened.
+/// @param unfold lays the bag flat. @param scratch how a mouth is widened.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const GraspLiftConfig& lift,
+               const PickPlaceConfig& config, const Unfold& unfold,
                const ScratchDragConfig& scratch, const MotionConfig& motion);
 
 }  // namespace gusset
