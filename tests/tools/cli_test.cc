@@ -68,6 +68,13 @@ TEST_F(Cli, HelpEverywhereSucceeds) {
   EXPECT_EQ(Gusset("--version").code, 0);
 }
 
+// A file that takes a closed stream's number would get the log between its lines.
+TEST_F(Cli, StreamsThatAreClosedAreOpenedOntoNothing) {
+  const std::string command =
+      std::string(GUSSET_BINARY) + " self-check --config /proc/self/fd/2 >/dev/null 2>&-";
+  EXPECT_EQ(std::system(command.c_str()), 0) << "/proc/self/fd/2 is not there to be read";
+}
+
 TEST_F(Cli, MistakesInArgumentsEndInOneLine) {
   ExpectRefused("", "subcommand");
   ExpectRefused("bogus", "");
