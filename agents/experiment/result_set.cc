@@ -328,16 +328,17 @@ std::string ResultCsv(const std::vector<ResultRow>& rows, const std::vector<CsvR
 std::vector<CsvRecord> OtherLines(const std::filesystem::path& file, const ExperimentPlan& plan) {
   std::vector<CsvRecord> records = ParseCsv(ReadFile(file), file.string());
   if (records.empty()) return records;
+  const auto refuse = [&](const CsvRecord& record, const std::string& why) {
+    throw InputError(file.string() + ":" + std::to_string(record.line) + ": " + why);
+  };
+  if (records[0].fields != CsvHead()) {
+    refuse(records[0], "is not the head of an experiment's results");
+  }
   const std::size_t columns = CsvHead().size();
   for (const CsvRecord& record : records) {
-    const std::string where = file.string() + ":" + std::to_string(record.line) + ": ";
-    if (&record == &records.front() && record.fields != CsvHead()) {
-      throw InputError(where + "is not the head of an experiment's results");
-    }
-    if (record.fields.size() != columns) {
-      throw InputError(where + "has " + std::to_string(record.fields.size()) + " fields, not " +
+    if (record.fields.size() == columns) continue;
+    refuse(record, "has " + std::to_string(record.fields.size()) + " fields, not " +
                        std::to_string(columns));
-    }
   }
   records.erase(records.begin());
   std::erase_if(records, [&](const CsvRecord& record) {
