@@ -31,12 +31,13 @@ class ResultsCsv : public FolderTest {
 };
 
 TEST_F(ResultsCsv, OneCellHoldsItsSeedsThePooledLineAndThePublishedFigure) {
-  const auto cells = Read(std::string(kHead) +
-                          "5.6,pi100,step1,1,20,15,0.75,0.53,0.89,0.7,0.4,0.89,rate,1,2,c1,v\n"
-                          "5.6,pi100,step1,2,20,16,0.8,0.58,0.92,0.7,0.4,0.89,rate,1,2,c2,v\n"
-                          "5.6,pi100,step1,pooled,40,31,0.775,0.62,0.88,0.7,0.4,0.89,rate,2,4,"
-                          "\"gusset, all\",v\n"
-                          "5.5,dqn,step1,1,,,0.4,,,,,,reward,1,2,c,v\n");
+  std::string csv = kHead;
+  csv +=
+      "5.6,pi100,step1,1,20,15,0.75,0.53,0.89,0.7,0.4,0.89,rate,1,2,c1,v\n"
+      "5.6,pi100,step1,2,20,16,0.8,0.58,0.92,0.7,0.4,0.89,rate,1,2,c2,v\n"
+      "5.6,pi100,step1,pooled,40,31,0.775,0.62,0.88,0.7,0.4,0.89,rate,2,4,\"gusset, all\",v\n"
+      "5.5,dqn,step1,1,,,0.4,,,,,,reward,1,2,c,v\n";
+  const auto cells = Read(csv);
   ASSERT_EQ(cells.size(), 2u);
   EXPECT_EQ(cells[0].successes, 31);
   EXPECT_EQ(cells[0].n, 40);
