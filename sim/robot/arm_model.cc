@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <sstream>
 #include <utility>
 
 #include "base/error.h"
@@ -11,6 +12,7 @@ namespace gusset {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMostStroke_m = 0.5;  // of a finger; wider grippers do not stand beside a table
 
 struct JointLimitsFile {
   std::vector<double> acceleration_rad_s2;
@@ -120,6 +122,18 @@ void ArmModel::FindFingers() {
   };
   finger_a_ = finger(config_.finger_joint_a, "finger_joint_a");
   finger_b_ = finger(config_.finger_joint_b, "finger_joint_b");
+  if (finger_a_ == finger_b_) {
+    throw InputError("robot.finger_joint_a and robot.finger_joint_b are both '" +
+                     config_.finger_joint_a + "'");
+  }
+  for (const int j : {finger_a_, finger_b_}) {
+    const RobotJoint& joint = robot_.joints()[j];
+    if (joint.upper > 0 && joint.upper <= kMostStroke_m) continue;
+    std::ostringstream what;
+    what << robot_.file() << ": joint '" << joint.name << "': limit upper = " << joint.upper
+         << " is not within (0, " << kMostStroke_m << "], as a finger's must be";
+    throw InputError(what.str());
+  }
   max_opening_m_ = 2 * std::min(robot_.joints()[finger_a_].upper, robot_.joints()[finger_b_].upper);
 }
 

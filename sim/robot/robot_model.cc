@@ -8,7 +8,9 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <sstream>
 
+#include "base/config.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "sim/robot/mesh_file.h"
@@ -77,6 +79,17 @@ void RefuseDeepXml(const std::filesystem::path& urdf, const std::string& xml) {
   }
 }
 
+// What a robot beside a table can be. Outside of these bounds numbers overflow, or a motion takes
+// hours.
+constexpr double kMostSize_m = 100;
+constexpr Range kPlace_m = {-kMostSize_m, kMostSize_m};
+constexpr Range kSize_m = {1e-6, kMostSize_m};
+constexpr Range kMass_kg = {0, 1e4};
+constexpr Range kInertia_kg_m2 = {-1e6, 1e6};
+constexpr Range kAngle_rad = {-1000, 1000};
+constexpr Range kSpeed = {0.01, 1000};  // rad/s or m/s
+constexpr Range kEffort = {0.01, 1e6};  // N m or N
+
 // One element of one file, for messages.
 struct Place {
   std::string file;
@@ -84,25 +97,22 @@ struct Place {
   [[noreturn]] void Fail(const std::string& what) const {
     throw InputError(file + ": " + element + ": " + what);
   }
-  double Finite(double value, const char* key) const {
-    if (!std::isfinite(value)) Fail(std::string(key) + " is not finite");
-    return value;
+  double Within(double value, Range bounds, const char* key) const {
+    if (value >= bounds.lo && value <= bounds.hi) return value;
+    std::ostringstream what;
+    what << key << " = " << value << " is not within [" << bounds.lo << ", " << bounds.hi << "]";
+    Fail(what.str());
   }
-  double Positive(double value, const char* key) const {
-    if (!(Finite(value, key) > 0)) {
-      Fail(std::string(key) + " = " + std::to_string(value) + " is not above 0");
-    }
-    return value;
+  Eigen::Vector3d Vector(const urdf::Vector3& v, Range bounds, const char* key) const {
+    return {Within(v.x, bounds, key), Within(v.y, bounds, key), Within(v.z, bounds, key)};
   }
-  Eigen::Vector3d Vector(const urdf::Vector3& v, const char* key) const {
-    return {Finite(v.x, key), Finite(v.y, key), Finite(v.z, key)};
-  }
+  double Size(double value, const char* key) const { return Within(value, kSize_m, key); }
   Eigen::Isometry3d Pose(const urdf::Pose& pose) const {
     const urdf::Rotation& r = pose.rotation;
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-    X.translation() = Vector(pose.position, "origin xyz");
-    const Eigen::Quaterniond rotation(Finite(r.w, "origin rpy"), Finite(r.x, "origin rpy"),
-                                      Finite(r.y, "origin rpy"), Finite(r.z, "origin rpy"));
+    X.translation() = Vector(pose.position, kPlace_m, "origin xyz");
+    const Eigen::Quaterniond rotation(r.w, r.x, r.y, r.z);
+    if (!(rotation.norm() > 0.5)) Fail("origin rpy is no rotation");
     X.linear() = rotation.normalized().toRotationMatrix();
     return X;
   }
@@ -132,7 +142,7 @@ std::vector<MeshPart> ReadMesh(const std::filesystem::path& urdf, const urdf::Me
   } catch (const InputError& error) {
     place.Fail(error.what());
   }
-  const Eigen::Vector3f scale = place.Vector(mesh.scale, "mesh scale").cast<float>();
+  const Eigen::Vector3f scale = place.Vector(mesh.scale, {-1e6, 1e6}, "mesh scale").cast<float>();
   if ((scale.array() == 0).any()) place.Fail("mesh scale has a 0");
   Eigen::AlignedBox3f box;
   for (MeshPart& part : parts) {
@@ -141,9 +151,8 @@ std::vector<MeshPart> ReadMesh(const std::filesystem::path& urdf, const urdf::Me
       box.extend(v);
     }
   }
-  constexpr float kMostSize_m = 100;
   const float size_m = box.sizes().maxCoeff();
-  if (!(size_m > 0 && size_m <= kMostSize_m)) {
+  if (!(size_m > 0 && size_m <= static_cast<float>(kMostSize_m))) {
     place.Fail(file.string() + ": is " + std::to_string(size_m) +
                " m large with its scale, not within (0, " +
                std::to_string(static_cast<int>(kMostSize_m)) + "]");
@@ -177,20 +186,19 @@ CollisionShape ReadCollision(const std::filesystem::path& urdf, const urdf::Coll
   switch (collision.geometry->type) {
     case urdf::Geometry::BOX: {
       const urdf::Vector3& size = static_cast<urdf::Box&>(*collision.geometry).dim;
-      shape.size_m = {place.Positive(size.x, "box size"), place.Positive(size.y, "box size"),
-                      place.Positive(size.z, "box size")};
+      shape.size_m = place.Vector(size, kSize_m, "box size");
       break;
     }
     case urdf::Geometry::SPHERE:
       shape.kind = CollisionShape::Kind::kSphere;
       shape.size_m.x() =
-          place.Positive(static_cast<urdf::Sphere&>(*collision.geometry).radius, "sphere radius");
+          place.Size(static_cast<urdf::Sphere&>(*collision.geometry).radius, "sphere radius");
       break;
     case urdf::Geometry::CYLINDER: {
       const auto& cylinder = static_cast<urdf::Cylinder&>(*collision.geometry);
       shape.kind = CollisionShape::Kind::kCylinder;
-      shape.size_m = {place.Positive(cylinder.radius, "cylinder radius"), 0,
-                      place.Positive(cylinder.length, "cylinder length")};
+      shape.size_m = {place.Size(cylinder.radius, "cylinder radius"), 0,
+                      place.Size(cylinder.length, "cylinder length")};
       break;
     }
     case urdf::Geometry::MESH: {
@@ -214,14 +222,15 @@ RobotLink ReadLink(const std::filesystem::path& urdf, const urdf::Link& source, 
   if (source.inertial != nullptr) {
     const urdf::Inertial& inertial = *source.inertial;
     const Eigen::Isometry3d X_LI = place.Pose(inertial.origin);
-    link.mass_kg = place.Finite(inertial.mass, "mass");
-    if (link.mass_kg < 0) place.Fail("mass = " + std::to_string(link.mass_kg) + " is below 0");
+    link.mass_kg = place.Within(inertial.mass, kMass_kg, "mass");
     link.com_L = X_LI.translation();
     Eigen::Matrix3d inertia;
     inertia << inertial.ixx, inertial.ixy, inertial.ixz,  //
         inertial.ixy, inertial.iyy, inertial.iyz,         //
         inertial.ixz, inertial.iyz, inertial.izz;
-    if (!inertia.allFinite()) place.Fail("inertia is not finite");
+    for (const double entry : inertia.reshaped()) {
+      (void)place.Within(entry, kInertia_kg_m2, "inertia");
+    }
     if (inertia.selfadjointView<Eigen::Upper>().eigenvalues().minCoeff() < 0) {
       place.Fail("inertia is not positive semidefinite");
     }
@@ -248,19 +257,20 @@ RobotJoint ReadJoint(const std::filesystem::path& urdf, const urdf::Joint& sourc
   }
   joint.kind = source.type == urdf::Joint::PRISMATIC ? RobotJoint::Kind::kPrismatic
                                                      : RobotJoint::Kind::kRevolute;
-  joint.axis_J = place.Vector(source.axis, "axis");
+  joint.axis_J = place.Vector(source.axis, {-1e6, 1e6}, "axis");
   if (joint.axis_J.norm() < 1e-9) place.Fail("axis is zero");
   joint.axis_J.normalize();
   if (source.limits == nullptr) place.Fail("limit is missing");
-  joint.velocity = place.Positive(source.limits->velocity, "limit velocity");
-  joint.effort = place.Positive(source.limits->effort, "limit effort");
+  joint.velocity = place.Within(source.limits->velocity, kSpeed, "limit velocity");
+  joint.effort = place.Within(source.limits->effort, kEffort, "limit effort");
   if (source.type == urdf::Joint::CONTINUOUS) {
     joint.lower = -std::numeric_limits<double>::infinity();
     joint.upper = std::numeric_limits<double>::infinity();
     return joint;
   }
-  joint.lower = place.Finite(source.limits->lower, "limit lower");
-  joint.upper = place.Finite(source.limits->upper, "limit upper");
+  const Range bounds = source.type == urdf::Joint::PRISMATIC ? kPlace_m : kAngle_rad;
+  joint.lower = place.Within(source.limits->lower, bounds, "limit lower");
+  joint.upper = place.Within(source.limits->upper, bounds, "limit upper");
   if (!(joint.lower < joint.upper)) {
     place.Fail("limit lower = " + std::to_string(joint.lower) +
                " is not below upper = " + std::to_string(joint.upper));
