@@ -3,7 +3,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include "agents/evaluator.h"
@@ -15,6 +17,8 @@
 namespace gusset {
 namespace {
 
+// What a line has as its seed that sums up all of them.
+constexpr const char* kPooled = "pooled";
 // As curve.png has it.
 constexpr int kCurveWindow = 20;
 // Points of each of Figure 5.6's curves.
@@ -208,7 +212,7 @@ class Rows {
     }
     const int settled = static_cast<int>(samples.size()) + failed;
     if (samples.empty() || settled < options_.seeds) return;
-    Line(row, column, "pooled", samples,
+    Line(row, column, kPooled, samples,
          ExperimentCommandLine(row, options_, options_.first_seed, options_.seeds,
                                context_.more_arguments));
   }
@@ -325,7 +329,7 @@ std::string ResultCsv(const std::vector<ResultRow>& rows, const std::vector<CsvR
   return csv;
 }
 
-std::vector<CsvRecord> OtherLines(const std::filesystem::path& file, const ExperimentPlan& plan) {
+std::vector<CsvRecord> ReadResultLines(const std::filesystem::path& file) {
   std::vector<CsvRecord> records = ParseCsv(ReadFile(file), file.string());
   if (records.empty()) return records;
   const auto refuse = [&](const CsvRecord& record, const std::string& why) {
@@ -341,12 +345,23 @@ std::vector<CsvRecord> OtherLines(const std::filesystem::path& file, const Exper
                        std::to_string(columns));
   }
   records.erase(records.begin());
-  std::erase_if(records, [&](const CsvRecord& record) {
-    return std::ranges::any_of(plan.rows, [&](const RowPlan& row) {
-      return row.table == record.fields[0] && row.row == record.fields[1];
-    });
-  });
   return records;
+}
+
+std::vector<CsvRecord> OtherLines(const std::vector<CsvRecord>& lines, const ExperimentPlan& plan,
+                                  const std::vector<ResultRow>& rows, bool finished) {
+  std::set<std::array<std::string, 4>> anew;
+  for (const ResultRow& row : rows) anew.insert({row.table, row.row, row.column, row.seed});
+  const auto is_replaced = [&](const CsvRecord& line) {
+    const std::vector<std::string>& f = line.fields;
+    const bool is_planned = std::ranges::any_of(
+        plan.rows, [&](const RowPlan& row) { return row.table == f[0] && row.row == f[1]; });
+    return is_planned && (finished || anew.contains({f[0], f[1], f[2], f[3]}) ||
+                          anew.contains({f[0], f[1], f[2], kPooled}));
+  };
+  std::vector<CsvRecord> others;
+  std::ranges::remove_copy_if(lines, std::back_inserter(others), is_replaced);
+  return others;
 }
 
 }  // namespace gusset

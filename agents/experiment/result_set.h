@@ -56,9 +56,15 @@ std::vector<ResultRow> MakeResultRows(const ExperimentPlan& plan, const Experime
 std::string ResultCsv(const std::vector<ResultRow>& rows,
                       const std::vector<CsvRecord>& others = {});
 
-/// What a results.csv holds of rows that are not in the plan: of other tables and trainings.
+/// The lines of a results.csv, without its head.
 /// @throws InputError naming file and line if it is not as ResultCsv writes it, or cannot be read.
-std::vector<CsvRecord> OtherLines(const std::filesystem::path& file, const ExperimentPlan& plan);
+std::vector<CsvRecord> ReadResultLines(const std::filesystem::path& file);
+
+/// Those of `lines` that stay beside `rows`: all of rows that are not in the plan, of other tables
+/// and trainings; and unless the plan is `finished`, what of its own rows is not there anew, of
+/// other seeds too, until the column is pooled.
+std::vector<CsvRecord> OtherLines(const std::vector<CsvRecord>& lines, const ExperimentPlan& plan,
+                                  const std::vector<ResultRow>& rows, bool finished);
 
 /// The same as JSON: an array of objects with the head's keys; what is empty is null.
 nlohmann::ordered_json ResultJson(const std::vector<ResultRow>& rows);

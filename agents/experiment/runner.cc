@@ -96,7 +96,7 @@ class Runner {
         units_(MakeUnits(plan, options)) {}
 
   ExperimentResult Run(int jobs, const std::function<void(const ExperimentProgress&)>& report) {
-    if (Exists(results_)) others_ = OtherLines(results_, plan_);
+    if (Exists(results_)) earlier_ = ReadResultLines(results_);
     FindFinished();
     WriteResults();
     begun_ = Clock::now();
@@ -311,7 +311,11 @@ class Runner {
   std::vector<ResultRow> Rows() const {
     return MakeResultRows(plan_, options_, finished_, published_, context_);
   }
-  void WriteResults() const { WriteFileAtomic(results_, ResultCsv(Rows(), others_)); }
+  void WriteResults() const {
+    const std::vector<ResultRow> rows = Rows();
+    const bool finished = Count(Unit::kFinished) == static_cast<int>(units_.size());
+    WriteFileAtomic(results_, ResultCsv(rows, OtherLines(earlier_, plan_, rows, finished)));
+  }
 
   const ExperimentPlan& plan_;
   const ExperimentOptions& options_;
@@ -320,7 +324,7 @@ class Runner {
   ExperimentRig& rig_;
   const std::function<bool()>& user_stop_;
   const fs::path results_;
-  std::vector<CsvRecord> others_;  // of what was asked for earlier
+  std::vector<CsvRecord> earlier_;  // that results.csv had before
   std::atomic<bool> abandoned_ = false;
 
   mutable std::mutex mutex_;  // of all below, but for the units' counts

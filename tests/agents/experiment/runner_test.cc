@@ -238,6 +238,18 @@ TEST_F(ExperimentTest, PartsThatAreAddedLaterStandBesideThoseThatWereThere) {
   options_.seeds = 1;
   Run(parts, rig);
   EXPECT_THAT(seeds("pi10"), testing::ElementsAre("1", "pooled"));
+
+  // What was there goes when the new stands, not before.
+  options_.first_seed = 3;
+  EXPECT_THROW(Run(parts, rig, 1, [] { return true; }), RunError);
+  EXPECT_THAT(seeds("pi10"), testing::ElementsAre("1", "pooled"));
+  while (!seeds("pi10").contains("3")) {
+    int asked = 0;
+    ASSERT_THROW(Run(parts, rig, 1, [&] { return ++asked > 40; }), RunError);
+    EXPECT_TRUE(seeds("pi10").contains("1"));
+  }
+  Run(parts, rig);
+  EXPECT_THAT(seeds("pi10"), testing::ElementsAre("3", "pooled"));
   EXPECT_THAT(seeds("pi30"), testing::ElementsAre("1", "2", "pooled"));
 
   WriteFileAtomic(parts / "results.csv", "table,row\n");
