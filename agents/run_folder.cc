@@ -36,7 +36,12 @@ RunFolder RunFolder::Create(const std::filesystem::path& root, const std::string
                      ": holds a run already; continue it with --resume or choose another --out");
   }
   RunFolder folder(root);
-  if (root.empty()) throw InputError("the name of the run's folder is empty");
+  for (const std::filesystem::path& part :
+       {root / "checkpoint" / "state.json", folder.steps(), folder.policy()}) {
+    if (!Exists(part)) continue;
+    throw InputError(part.string() +
+                     ": is of a run whose config.toml is gone; choose another --out");
+  }
   MakeFolder(root / "checkpoint");
   MakeFolder(folder.frames());
   WriteFileAtomic(root / "run.json", JsonText(run));

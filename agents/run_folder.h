@@ -21,7 +21,8 @@ namespace gusset {
 ///   frames/        pictures, if asked for
 class RunFolder {
  public:
-  /// A new run. @throws InputError if the folder holds a run already or cannot be written.
+  /// A new run. @throws InputError if the folder holds a run already, or parts of one, or cannot be
+  /// written.
   static RunFolder Create(const std::filesystem::path& root, const std::string& config_toml,
                           const nlohmann::ordered_json& run);
   /// An existing one. @throws InputError if it is none.

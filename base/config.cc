@@ -87,10 +87,14 @@ std::string Shown(const Value& value) {
 // unbounded ranges do not make it meaningful.
 bool Within(double x, Range bounds) { return std::isfinite(x) && x >= bounds.lo && x <= bounds.hi; }
 
-void CheckBounds(const std::string& origin, const std::string& key, double x, Range bounds) {
-  if (Within(x, bounds)) return;
-  Refuse(origin, key, Shortest(x),
+[[noreturn]] void RefuseBounds(const std::string& origin, const std::string& key,
+                               const std::string& shown, Range bounds) {
+  Refuse(origin, key, shown,
          "is not within [" + Shortest(bounds.lo) + ", " + Shortest(bounds.hi) + "]");
+}
+
+void CheckBounds(const std::string& origin, const std::string& key, double x, Range bounds) {
+  if (!Within(x, bounds)) RefuseBounds(origin, key, Shortest(x), bounds);
 }
 
 void CheckChoice(const std::string& origin, const std::string& key, const std::string& text,
@@ -205,7 +209,9 @@ class TreeReader final : public ConfigVisitor {
     if (found.entry == nullptr) return;
     const auto* i = std::get_if<std::int64_t>(&found.entry->value);
     if (i == nullptr) WrongType(found, "must be a whole number");
-    CheckBounds(found.entry->origin, found.path, static_cast<double>(*i), bounds);
+    if (!Within(static_cast<double>(*i), bounds)) {
+      RefuseBounds(found.entry->origin, found.path, std::to_string(*i), bounds);
+    }
     if (*i != static_cast<int>(*i)) WrongType(found, "does not fit into 32 bits");
     value = static_cast<int>(*i);
   }
@@ -474,6 +480,12 @@ void ConfigTree::Refuse(std::string_view key, double value, const std::string& w
   const auto entry = impl_->entries.find(std::string(key));
   gusset::Refuse(entry == impl_->entries.end() ? "" : entry->second.origin, std::string(key),
                  Shortest(value), why);
+}
+
+void ConfigTree::RefuseIfGiven(std::string_view key, const std::string& why) const {
+  const auto entry = impl_->entries.find(std::string(key));
+  if (entry == impl_->entries.end()) return;
+  gusset::Refuse(entry->second.origin, std::string(key), Shown(entry->second.value), why);
 }
 
 std::unique_ptr<ConfigVisitor> BoundsChecker(std::string_view section) {

@@ -71,6 +71,8 @@ class ConfigTree {
   /// not go together. @throws InputError "file:line: key = value why", without file if none gave
   /// it.
   [[noreturn]] void Refuse(std::string_view key, double value, const std::string& why) const;
+  /// Refuses `key` if a file or an option gives it. @throws InputError as Refuse.
+  void RefuseIfGiven(std::string_view key, const std::string& why) const;
 
  private:
   std::unique_ptr<ConfigVisitor> Reader(std::string_view section);

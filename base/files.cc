@@ -1,6 +1,7 @@
 #include "base/files.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -63,9 +64,6 @@ int OwnStream(const std::filesystem::path& path) {
   return -1;
 }
 
-// True if what is written goes through it rather than into a file of its own.
-bool IsThrough(const std::filesystem::path& path) { return IsDevice(path) || OwnStream(path) >= 0; }
-
 void WriteThrough(const std::filesystem::path& path, std::string_view contents) {
   const int own = OwnStream(path);
   const Descriptor file(own >= 0 ? ::dup(own) : ::open(path.c_str(), O_WRONLY | O_CLOEXEC));
@@ -98,6 +96,10 @@ bool IsFolder(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path, none);
 }
 
+bool WritesThrough(const std::filesystem::path& path) {
+  return IsDevice(path) || OwnStream(path) >= 0;
+}
+
 std::string ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) throw InputError(Reason(path, "cannot be read", errno));
@@ -116,7 +118,7 @@ std::string ReadFile(const std::filesystem::path& path, std::size_t max_bytes) {
 }
 
 void WriteFileAtomic(const std::filesystem::path& path, std::string_view contents) {
-  if (IsThrough(path)) return WriteThrough(path, contents);
+  if (WritesThrough(path)) return WriteThrough(path, contents);
   const std::filesystem::path target = BehindLinks(path);
   const std::filesystem::path beside = Beside(target);
   const auto give_up = [&](const char* what, int error) {
@@ -143,7 +145,7 @@ void CheckWritable(const std::filesystem::path& path) {
   if (path.empty()) refuse(path, ENOENT);
   if (IsFolder(path)) refuse(path, EISDIR);
   struct stat is {};
-  if (IsThrough(path)) {  // not opened: a pipe's reader would take that for the end
+  if (WritesThrough(path)) {  // not opened: a pipe's reader would take that for the end
     if (::access(path.c_str(), W_OK) != 0) refuse(path, errno);
     if (::stat(path.c_str(), &is) == 0 && S_ISSOCK(is.st_mode)) refuse(path, ENXIO);
     return;
@@ -176,6 +178,17 @@ std::filesystem::path MoveAside(const std::filesystem::path& path) {
     return aside;
   }
 }
+
+FolderLock::FolderLock(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / ".lock";
+  fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw InputError(Reason(file, "cannot write", errno));
+  if (::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(fd_);
+  throw InputError(folder.string() + ": another process is working there");
+}
+
+FolderLock::~FolderLock() { ::close(fd_); }
 
 LineLog::LineLog(std::filesystem::path path, std::uint64_t keep_bytes)
     : path_(std::move(path)), bytes_(keep_bytes) {

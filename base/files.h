@@ -14,6 +14,10 @@ bool Exists(const std::filesystem::path& path);
 /// True if it is a folder; as Exists.
 bool IsFolder(const std::filesystem::path& path);
 
+/// True for a device or a pipe, and for what is our own stdout or stderr: what is written there
+/// goes through it rather than into a file of its own.
+bool WritesThrough(const std::filesystem::path& path);
+
 /// Whole contents of a file. @throws InputError (`path: why`) if it cannot be read, is a folder or
 /// is larger than `max_bytes`.
 std::string ReadFile(const std::filesystem::path& path,
@@ -36,6 +40,22 @@ void MakeFolder(const std::filesystem::path& path);
 /// Renames `path` to path.1, path.2, ... (the first free one) if it exists.
 /// @returns the new name, or an empty path if there was nothing to move. @throws InputError.
 std::filesystem::path MoveAside(const std::filesystem::path& path);
+
+/// Keeps other processes from working in a folder at the same time, by a lock (flock(2)) on its
+/// file
+/// `.lock`, which a process that is killed leaves free. Where the file system has no locks it keeps
+/// nobody out.
+class FolderLock {
+ public:
+  /// @throws InputError if another process has it, or the file cannot be written.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int fd_ = -1;
+};
 
 /// A text file that only grows by whole lines, such as a JSONL log. Every line reaches the
 /// operating system before Append returns, so a killed process loses none; Sync brings them to the

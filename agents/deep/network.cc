@@ -13,6 +13,8 @@ namespace gusset {
 namespace {
 
 constexpr int kHidden = 64;  // SB2's MlpPolicy: layers = [64, 64]
+// No training gets there; further on, layers of such weights overflow.
+constexpr double kMostWeight = 1e6;
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -247,7 +249,10 @@ void LoadTensors(const nlohmann::json& saved, const std::string& key,
                     static_cast<std::size_t>(plain.nbytes()))) {
       throw InputError(place + " is not base64 of " + std::to_string(plain.numel()) + " numbers");
     }
-    if (!at::isfinite(plain).all().item<bool>()) throw InputError(place + " is not finite");
+    // A negated comparison, so that NaN is refused too.
+    if (!(plain.abs() <= kMostWeight).all().item<bool>()) {
+      throw InputError(place + " has a number that is not within [-1e6, 1e6]");
+    }
     tensors[i].copy_(plain);
   }
 }

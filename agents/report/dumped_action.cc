@@ -84,4 +84,21 @@ std::vector<DumpedAction> ReadDumpedActions(const std::filesystem::path& folder)
   return actions;
 }
 
+void RemoveDumpedActions(const std::filesystem::path& folder, const std::string& begin) {
+  std::vector<std::string> names;
+  for (const DumpedAction& action : ReadDumpedActions(folder)) {
+    const std::string name = action.prefix.filename();
+    if (name.starts_with(begin)) names.push_back(name);
+  }
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string file = entry.path().filename();
+    const auto is_of = [&](const std::string& name) {
+      return file.starts_with(name + ".") || file.starts_with(name + "_");
+    };
+    if (std::ranges::any_of(names, is_of)) files.push_back(entry.path());
+  }
+  for (const std::filesystem::path& file : files) std::filesystem::remove(file);
+}
+
 }  // namespace gusset

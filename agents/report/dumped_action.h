@@ -39,4 +39,8 @@ struct DumpedAction {
 /// @throws InputError naming file and key of what is broken.
 std::vector<DumpedAction> ReadDumpedActions(const std::filesystem::path& folder);
 
+/// Removes those whose names begin with `begin`, and their pictures, lest what an earlier command
+/// left be taken for a result of the next. @throws InputError as above.
+void RemoveDumpedActions(const std::filesystem::path& folder, const std::string& begin);
+
 }  // namespace gusset

@@ -5,6 +5,7 @@
 #include "agents/pi_learning.h"
 #include "agents/random_agent.h"
 #include "agents/report/dumped_action.h"
+#include "base/files.h"
 #include "tests/agents/table_world.h"
 #include "tests/temporary_folder.h"
 
@@ -96,6 +97,14 @@ TEST(Evaluator, FramesAreKeptOfEveryActionOfAFailedEpisodeAndOfNoOther) {
     EXPECT_FALSE(episode.true_success);
     EXPECT_EQ(episode.steps.at(static_cast<std::size_t>(action.step)).action, action.action);
   }
+
+  const std::string first = actions[0].prefix.filename();
+  WriteFileAtomic(dir / (first + "_before.png"), "a picture");
+  WriteFileAtomic(dir / (first + "0.txt"), "somebody's");
+  RemoveDumpedActions(dir, "action");
+  EXPECT_EQ(ReadDumpedActions(dir).size(), expected) << "none of these";
+  RemoveDumpedActions(dir, "episode");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(dir), {}), 1) << "somebody's";
 }
 
 TEST(Evaluator, TalliesAddUp) {

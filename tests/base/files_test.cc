@@ -187,6 +187,15 @@ TEST_F(Files, AFullDiskLeavesOnlyWholeLines) {
   EXPECT_EQ(ReadFile(dir_ / "log"), "first\nthird\n");
 }
 
+TEST_F(Files, AFolderIsLockedOnceUntilItsLockIsGone) {
+  {
+    const FolderLock lock(dir_);
+    EXPECT_THROW(FolderLock again(dir_), InputError);
+  }
+  EXPECT_NO_THROW(FolderLock again(dir_));
+  EXPECT_THROW(FolderLock none(dir_ / "none"), InputError);
+}
+
 TEST_F(Files, MoveAsideTakesTheFirstFreeNumber) {
   EXPECT_EQ(MoveAside(dir_ / "run"), fs::path());
   fs::create_directory(dir_ / "run");

@@ -176,6 +176,14 @@ TEST_F(Cli, CamerasThatDoNotExistAreRefused) {
 }
 
 TEST_F(Cli, BrokenImagesAreRefusedByName) {
+  cv::imwrite((dir_ / "dot.png").string(), cv::Mat::zeros(1, 1, CV_8UC3));
+  ExpectRefused("classify " + (dir_ / "dot.png").string(), "dot.png: is 1x1 pixels");
+  cv::imwrite((dir_ / "whole.png").string(), cv::Mat::zeros(480, 640, CV_8UC3));
+  const std::string whole = " " + (dir_ / "whole.png").string();
+  ExpectRefused("classify --crop 0,0,700,340" + whole, "is not within the image's 640x480");
+  for (const char* crop : {"0,0,340", "0,0,340,340,1", "0,0,a,340", "0;0;340;340"}) {
+    ExpectRefused("classify --crop '" + std::string(crop) + "'" + whole, "is not x,y,width,height");
+  }
   ExpectRefused("classify", "images");
   ExpectRefused("classify /nowhere.png", "/nowhere.png");
   ExpectRefused("classify " + Write("a.png", "not a picture").string(), "a.png");
@@ -225,8 +233,35 @@ TEST_F(Cli, NothingGivenIsOverwritten) {
   ExpectRefused("classify " + a + " " + b + " --out " + dir_.string(), "would both become x_ov");
   ExpectRefused("report " + dir_.string() + " --out " + a, "does not end in .html");
   const std::string policy = Write("p.json", "{}").string();
-  ExpectRefused("evaluate --policy " + policy + " --out " + policy, "is a file of --policy");
+  ExpectRefused("evaluate --policy " + policy + " --out " + policy, "is not a result of this");
   EXPECT_EQ(Slurp(policy), "{}");
+  Write("steps.jsonl", "{}\n{}\n");
+  ExpectRefused("evaluate --policy random --out " + (dir_ / "steps.jsonl").string(),
+                "is not a res");
+  EXPECT_EQ(Slurp(dir_ / "steps.jsonl"), "{}\n{}\n");
+  ExpectRefused("train --out " + dir_.string(), "steps.jsonl: is of a run whose config.toml");
+}
+
+TEST_F(Cli, AFolderThatAnotherProcessWorksInIsLeftAlone) {
+  const FolderLock lock(dir_);
+  ExpectRefused("train --out " + dir_.string(), "another process is working there");
+  ExpectRefused("experiment thesis --out " + dir_.string(), "another process is working there");
+}
+
+TEST_F(Cli, APolicyWithoutItsRunHasItsBag) {
+  const fs::path policy = fs::path(GUSSET_SOURCE_DIR) / "assets/policies/pi100-seed1.json";
+  std::string text = Slurp(policy);
+  const std::string bag = R"("bag": "bag1")";
+  const std::size_t at = text.find(bag);
+  ASSERT_NE(at, std::string::npos);
+  const fs::path other = Write("p.json", text.replace(at, bag.size(), R"("bag": "bag7")"));
+  const std::string out = " --out " + (dir_ / "x").string();
+  ExpectRefused("play --policy " + other.string() + out, "p.json: --bag: no bag is called bag7");
+}
+
+TEST_F(Cli, AFilmThatCannotBeWrittenIsRefusedInOneLine) {
+  fs::create_directories(dir_ / "q/episode.mp4");
+  ExpectRefused("play --policy random --out " + (dir_ / "q").string(), "episode.mp4: cannot write");
 }
 
 TEST_F(Cli, ValuesThatFindNothingOrWrapAreRefused) {
@@ -240,7 +275,10 @@ TEST_F(Cli, ValuesThatFindNothingOrWrapAreRefused) {
     ExpectRefused(std::string(command) + " --seed 99999999999999999999", "--seed");
   }
   ExpectRefused("play --run r --start unfolded --out o", "--start");
-  ExpectRefused("train --out \"\"", "is empty");
+  ExpectRefused("train --out \"\"", "--out: its value is empty");
+  ExpectRefused("evaluate --policy random --out ''", "--out: its value is empty");
+  ExpectRefused("experiment thesis --set ''", "--set: its value is empty");
+  ExpectRefused("bag --out x", "not expected: bag ");
 }
 
 TEST_F(Cli, WhatCannotBePrintedIsAFailure) {
@@ -253,6 +291,13 @@ TEST_F(Cli, WhatCannotBePrintedIsAFailure) {
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     EXPECT_EQ(Slurp(dir_ / "err"), "gusset: cannot write to standard output\n");
   }
+  // Nobody reads any more.
+  const std::string code = (dir_ / "code").string();
+  const std::string piped = "(sleep 0.2; " + std::string(GUSSET_BINARY) + " --help 2>" +
+                            (dir_ / "err").string() + "; echo $? >" + code + ") | true";
+  EXPECT_EQ(std::system(("bash -c '" + piped + "'").c_str()), 0);
+  EXPECT_EQ(Slurp(code), "1\n");
+  EXPECT_EQ(Slurp(dir_ / "err"), "gusset: cannot write to standard output\n");
 }
 
 TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
@@ -284,7 +329,7 @@ TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
   camera("[615, 0, 320], [0, 615, 240], [0, 0, 2]", "[0, 0, 0, 1]");
   ExpectRefused(corpus, "camera.json: K[2] must be [0, 0, 1]");
   camera("[-615, 0, 320], [0, 615, 240], [0, 0, 1]", "[0, 0, 0, 1]");
-  ExpectRefused(corpus, "camera.json: K[0][0] and K[1][1] must be above 0");
+  ExpectRefused(corpus, "camera.json: K[0][0] and K[1][1] must be 1 px or more");
   camera("[615, 0, 320], [0, 615, 240], [0, 0, 1]", "[0, 0, 1, 1]");
   ExpectRefused(corpus, "camera.json: X_WC[3] must be [0, 0, 0, 1]");
   Write("camera.json", "{\"width\": 0}");
@@ -349,7 +394,12 @@ TEST_F(Cli, AnExperimentThatCannotBeIsRefusedBeforeAnyWork) {
   ExpectRefused("experiment thesis --jobs 0" + out, "--jobs");
   ExpectRefused("experiment thesis --agents pi10 --set pi.epsilon_min=2" + out,
                 "pi.epsilon_min = 2 is not within [0, 1]");
-  ExpectRefused("experiment thesis --set train.steps=5" + out, "the grid sets this");
+  ExpectRefused("experiment thesis --set train.steps=5" + out, "= 5 is the grid's to set");
+  ExpectRefused("experiment thesis --set ' train.seed = 5'" + out, "= 5 is the grid's to set");
+  const std::string config = Write("c.toml", "\n[train]\nagent = 'dqn'\n").string();
+  ExpectRefused("experiment thesis --config " + config + out, "c.toml:3: train.agent = \"dqn\" is");
+  ExpectRefused("experiment thesis --list --set no.key=1", "no.key");
+  ExpectRefused("experiment thesis --list --json", "--list");
   ExpectRefused("experiment thesis --resume" + out, "holds no experiment");
   EXPECT_FALSE(fs::exists(dir_ / "e"));
   fs::create_directory(dir_ / "e");

@@ -53,7 +53,7 @@ class PairsExperiment final : public Command {
 
   void Run() override {
     common_.StartLog();
-    const Settings settings = LoadSettings(common_, {.base = ConfigBeside(run_)});
+    const Settings settings = LoadSettings(common_, SourceOf(run_, {}));
     if (go_on_) agent_ = LoadAgent(run_, settings);
     const std::vector<fs::path> worlds = Worlds();
     Workers workers(jobs_, settings.EnvironmentFactory());

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "tools/gusset/command.h"
+#include "tools/gusset/result_file.h"
 #include "tools/gusset/settings.h"
 #ifdef GUSSET_HAS_BENCH
 #include "tools/gusset/bench/suite.h"
@@ -54,7 +55,7 @@ class BenchCommand final : public Command {
 #ifdef GUSSET_HAS_BENCH
   void Run() override {
     common_.StartLog();
-    if (!out_.empty()) CheckWritable(out_);
+    if (!out_.empty()) CheckResultFile(out_, "machine");
     const Settings settings = LoadSettings(common_, {.bag = bag_});
     WatchForStop();
     const nlohmann::ordered_json document =

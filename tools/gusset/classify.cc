@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "agents/image_file.h"
 #include "agents/json_fields.h"
@@ -40,6 +41,17 @@ cv::Mat PaintTruth(const cv::Mat& surface) {
   return image;
 }
 
+cv::Rect ParseCrop(const std::string& text) {
+  cv::Rect crop;
+  char comma[3] = {}, more = 0;
+  std::istringstream in(text);
+  in >> crop.x >> comma[0] >> crop.y >> comma[1] >> crop.width >> comma[2] >> crop.height;
+  if (!in || std::string_view(comma, 3) != ",,," || in >> more) {
+    throw InputError("--crop: '" + text + "' is not x,y,width,height in whole px");
+  }
+  return crop;
+}
+
 class ClassifyCommand final : public Command {
  public:
   const char* name() const override { return "classify"; }
@@ -55,8 +67,6 @@ class ClassifyCommand final : public Command {
                    "Folder for overlays; with --corpus for report.json and pictures of failures")
         ->type_name("DIR");
     app.add_option("--crop", crop_, "Part of the images to look at: x,y,width,height in px")
-        ->delimiter(',')
-        ->expected(4)
         ->type_name("X,Y,W,H");
     app.add_option("--px-per-m", px_per_m_, "Scale of the images at the table, px per metre")
         ->check(CLI::Range(10.0, 20000.0))
@@ -96,8 +106,7 @@ class ClassifyCommand final : public Command {
   BaggingConfig LoadPerception() const {
     ConfigTree tree;
     tree.Load(BagFile(bag_.value_or("bag1")));
-    for (const std::string& file : common_.config_files) tree.Load(file);
-    for (const std::string& assignment : common_.assignments) tree.Set(assignment);
+    common_.ReadInto(tree);
     RefuseUnknownKeys(tree);
     BaggingConfig config;
     config.Read(tree);
@@ -112,8 +121,7 @@ class ClassifyCommand final : public Command {
     if (bag_ || !Exists(file)) return config;
     ConfigTree tree;
     tree.Load(file);
-    for (const std::string& other : common_.config_files) tree.Load(other);
-    for (const std::string& assignment : common_.assignments) tree.Set(assignment);
+    common_.ReadInto(tree);
     BaggingConfig of_corpus;
     of_corpus.Read(tree);
     of_corpus.perception = config.perception;
@@ -156,7 +164,7 @@ class ClassifyCommand final : public Command {
   // One image as perception is to see it.
   Photograph Prepare(const std::string& image, const BaggingConfig& config) const {
     PhotographOptions options;
-    if (!crop_.empty()) options.crop.emplace(crop_[0], crop_[1], crop_[2], crop_[3]);
+    if (!crop_.empty()) options.crop = ParseCrop(crop_);
     options.px_per_m = px_per_m_;
     if (!camera_.empty()) options.camera = ReadCamera(camera_);
     try {
@@ -346,7 +354,7 @@ class ClassifyCommand final : public Command {
   std::vector<std::string> corpora_;
   std::string out_;
   std::optional<std::string> bag_;
-  std::vector<int> crop_;
+  std::string crop_;
   std::optional<double> px_per_m_;
   std::string camera_;
   bool calibrate_ = false;

@@ -22,6 +22,16 @@ int Complain(const std::string& what, int code) {
   return code;
 }
 
+// "--out ''" is a slip, as of a variable that is not set, and not the same as no --out.
+void RefuseEmptyValues(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& value : option->results()) {
+      if (value.empty()) throw InputError(option->get_name() + ": its value is empty");
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands()) RefuseEmptyValues(*command);
+}
+
 }  // namespace
 
 int RunCommandLine(int argc, char** argv) {
@@ -45,10 +55,17 @@ int RunCommandLine(int argc, char** argv) {
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-      if (e.get_exit_code() != 0) return Complain(std::string(e.what()) + " (see --help)", 2);
+      if (e.get_exit_code() != 0) {
+        // CLI11 would rather say that a subcommand is required than what it took for none.
+        const std::vector<std::string> rest = app.remaining(true);
+        const std::string what =
+            rest.empty() ? e.what() : "The following argument was not expected: " + rest[0];
+        return Complain(what + " (see --help)", 2);
+      }
       app.exit(e);  // --help, --version
       commands.clear();
     }
+    RefuseEmptyValues(app);
     for (const auto& command : commands) {
       if (app.got_subcommand(command->name())) command->Run();
     }

@@ -121,7 +121,8 @@ CameraModel ReadCamera(const std::filesystem::path& file) {
     if (k(0, 1) != 0) throw InputError("K[0][1] must be 0: pixels with skew are not modelled");
     same(k.row(1).head(1), Eigen::RowVectorXd::Zero(1), "K[1][0]");
     same(k.row(2), Eigen::RowVector3d(0, 0, 1), "K[2]");
-    if (!(k(0, 0) > 0 && k(1, 1) > 0)) throw InputError("K[0][0] and K[1][1] must be above 0");
+    if (!(k(0, 0) >= 1 && k(1, 1) >= 1))
+      throw InputError("K[0][0] and K[1][1] must be 1 px or more");
     camera.pinhole.fx = k(0, 0);
     camera.pinhole.fy = k(1, 1);
     camera.pinhole.cx = k(0, 2);

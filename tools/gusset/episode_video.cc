@@ -2,7 +2,9 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/captured_stderr.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "perception/overlay.h"
 
 namespace gusset {
@@ -16,14 +18,29 @@ constexpr int kWidth = 640;
 }  // namespace
 
 EpisodeVideo::EpisodeVideo(const std::filesystem::path& file, TestbedEnv& environment)
-    : environment_(environment),
-      writer_(file.string(), cv::VideoWriter::fourcc('a', 'v', 'c', '1'), kFramesPerSecond,
-              {kWidth + kInset, kHeight}) {
-  if (!writer_.isOpened()) throw InputError(file.string() + ": cannot write this video");
+    : file_(file.string()), environment_(environment) {
+  CheckWritable(file);
+  const CapturedStderr held;  // lines of each of OpenCV's backends
+  if (!writer_.open(file_, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), kFramesPerSecond,
+                    {kWidth + kInset, kHeight})) {
+    throw InputError(file_ + ": cannot write this video");
+  }
   environment_.testbed().Watch(1 / kFramesPerSecond, [this] { AddFrame(); });
 }
 
 EpisodeVideo::~EpisodeVideo() { environment_.testbed().Watch(1, {}); }
+
+void EpisodeVideo::Finish() {
+  environment_.testbed().Watch(1, {});
+  const CapturedStderr held;
+  writer_.release();
+  // The writer does not tell what became of its frames.
+  cv::VideoCapture film(file_);
+  const int there = film.isOpened() ? cvRound(film.get(cv::CAP_PROP_FRAME_COUNT)) : 0;
+  if (there >= frames_) return;
+  throw RunError(file_ + ": of " + std::to_string(frames_) + " frames " + std::to_string(there) +
+                 " are there; is the disk full?");
+}
 
 void EpisodeVideo::AddFrame() {
   cv::Mat image(kHeight, kWidth + kInset, CV_8UC3, cv::Scalar::all(255));
@@ -37,6 +54,7 @@ void EpisodeVideo::AddFrame() {
   cv::putText(image, caption_, {kWidth + 10, kInset + 40}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
               cv::Scalar::all(30), 1, cv::LINE_AA);
   writer_.write(image);
+  ++frames_;
 }
 
 }  // namespace gusset

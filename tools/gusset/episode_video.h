@@ -19,15 +19,20 @@ class EpisodeVideo {
   EpisodeVideo(const EpisodeVideo&) = delete;
   EpisodeVideo& operator=(const EpisodeVideo&) = delete;
 
+  /// Ends the video. @throws RunError if a part of it could not be written.
+  void Finish();
+
   /// Caption from now on.
   void Say(std::string caption) { caption_ = std::move(caption); }
 
  private:
   void AddFrame();
 
+  const std::string file_;
   TestbedEnv& environment_;
   cv::VideoWriter writer_;
   std::string caption_;
+  int frames_ = 0;  // written
 };
 
 }  // namespace gusset

@@ -5,10 +5,12 @@
 #include "agents/evaluator.h"
 #include "agents/json_fields.h"
 #include "agents/report/contact_sheet.h"
+#include "agents/report/dumped_action.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/stop.h"
 #include "tools/gusset/command.h"
+#include "tools/gusset/result_file.h"
 #include "tools/gusset/settings.h"
 #include "tools/gusset/start_option.h"
 
@@ -54,11 +56,11 @@ class EvaluateCommand final : public Command {
     const std::filesystem::path frames =
         std::filesystem::path(out_).replace_extension().concat("_frames");
     if (dump_ != "none") MakeFolder(frames);
-    if (!out_.empty()) CheckOut();
-    const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
-    const Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
+    if (!out_.empty()) CheckResultFile(out_, "per_step");
+    const Settings settings = LoadSettings(common_, SourceOf(policy_, bag_));
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
 
+    if (dump_ != "none") RemoveDumpedActions(frames, "episode");
     WatchForStop();
     const auto start = std::chrono::steady_clock::now();
     Workers workers(jobs_, settings.EnvironmentFactory());
@@ -77,21 +79,6 @@ class EvaluateCommand final : public Command {
   }
 
  private:
-  // What is measured is not to take the place of what it is measured on.
-  void CheckOut() const {
-    CheckWritable(out_);
-    const std::filesystem::path policy = policy_;
-    const std::filesystem::path run = IsFolder(policy) ? policy : policy.parent_path();
-    for (const std::filesystem::path& own :
-         {policy, run / "policy.json", run / "config.toml", run / "run.json", run / "steps.jsonl",
-          run / "progress.csv", run / "failed_step.json", run / "checkpoint" / "state.json"}) {
-      std::error_code none;
-      if (policy_ != "random" && std::filesystem::equivalent(own, out_, none)) {
-        throw InputError("--out: " + out_ + " is a file of --policy");
-      }
-    }
-  }
-
   nlohmann::ordered_json Document(const Settings& settings, const EvaluationResult& result,
                                   double seconds_wall) const {
     nlohmann::ordered_json per_step = nlohmann::ordered_json::array();

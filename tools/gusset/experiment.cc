@@ -52,7 +52,8 @@ class ExperimentCommand final : public Command {
     thesis.add_option("--jobs", jobs_, "Trainings and trials at once; results do not depend on it")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
-    thesis.add_flag("--json", json_, "Print one JSON document instead of tables");
+    thesis.add_flag("--json", json_, "Print one JSON document instead of tables")
+        ->excludes(thesis.get_option("--list"));
     common_.log_level = "warn";
     common_.AddTo(thesis);
   }
@@ -61,11 +62,16 @@ class ExperimentCommand final : public Command {
     common_.StartLog();
     RefuseWhatTheGridSets();
     const ExperimentPlan plan = ThesisPlan(options_);
-    if (list_) return List(plan);
-    const Published published = Published::Load(AssetsFolder() / "published" / "thesis.toml");
-    CheckFolder();
+    if (list_) {
+      (void)LoadSettings(common_, {});  // finds mistakes; what a training needs may be missing
+      return List(plan);
+    }
     SimExperimentRig rig(common_);
     rig.CheckSettings(plan);
+    const Published published = Published::Load(AssetsFolder() / "published" / "thesis.toml");
+    CheckFolder();
+    MakeFolder(out_);
+    const FolderLock lock(out_);
 
     WatchForStop();
     ExperimentResult result;
@@ -97,13 +103,10 @@ class ExperimentCommand final : public Command {
  private:
   // Values that would be overridden without a word.
   void RefuseWhatTheGridSets() const {
-    for (const std::string& assignment : common_.assignments) {
-      const std::string key = assignment.substr(0, assignment.find('='));
-      for (const char* own : {"train.agent", "train.bag", "train.steps", "train.seed"}) {
-        if (key != own) continue;
-        throw InputError("--set " + assignment +
-                         ": the grid sets this; see --agents, --steps, --seed and --only");
-      }
+    ConfigTree given;
+    common_.ReadInto(given);
+    for (const char* own : {"train.agent", "train.bag", "train.steps", "train.seed"}) {
+      given.RefuseIfGiven(own, "is the grid's to set; see --agents, --steps, --seed and --only");
     }
   }
 

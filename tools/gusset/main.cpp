@@ -1,6 +1,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <csignal>
+
 #include "tools/gusset/cli.h"
 
 namespace {
@@ -14,9 +16,17 @@ void OpenClosedStreams() {
   if (fd >= 0) close(fd);
 }
 
+// Of a pipe that nobody reads any more and a file that may grow no further (ulimit -f) the call
+// that writes is to tell, not a signal that kills.
+void HearOfBrokenWrites() {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   OpenClosedStreams();
+  HearOfBrokenWrites();
   return gusset::RunCommandLine(argc, argv);
 }

@@ -15,6 +15,8 @@ constexpr double kNominalHeight_m = 1.066;
 /// Larger or smaller factors are a mistake in the scale rather than a camera.
 constexpr double kMostScaling = 32;
 constexpr double kMostPixels = 1e8;
+/// Fewer would show a label as a tenth of a pixel.
+constexpr int kLeastSide_px = 32;
 
 std::string Text(const cv::Rect& rect) {
   return std::to_string(rect.x) + "," + std::to_string(rect.y) + "," + std::to_string(rect.width) +
@@ -36,6 +38,9 @@ cv::Point2d Scaled(cv::Point2d px, double s) {
 
 /// Pixels per metre at the table, for a camera that looks straight down at it.
 double PxPerMetre(const CameraModel& camera) {
+  if (!(camera.X_WC.translation().z() > 0)) {
+    throw InputError("the camera is not above the table");
+  }
   const cv::Point2d origin = camera.Project(Eigen::Vector3d::Zero());
   const cv::Point2d beside = camera.Project({0.1, 0, 0});
   const double px_per_m = cv::norm(beside - origin) / 0.1;
@@ -62,7 +67,12 @@ Photograph PreparePhotograph(const RgbdFrame& image, const PhotographOptions& op
                              const PerceptionConfig& config) {
   const cv::Rect whole({0, 0}, image.color.size());
   const cv::Rect crop = options.crop.value_or(whole);
-  if (crop.empty() || (crop & whole) != crop) {
+  if (crop.width < kLeastSide_px || crop.height < kLeastSide_px) {
+    throw InputError("is " + std::to_string(crop.width) + "x" + std::to_string(crop.height) +
+                     " pixels, of which nothing can be told; each side must have " +
+                     std::to_string(kLeastSide_px));
+  }
+  if ((crop & whole) != crop) {
     throw InputError("--crop: " + Text(crop) + " is not within the image's " +
                      std::to_string(whole.width) + "x" + std::to_string(whole.height) + " pixels");
   }

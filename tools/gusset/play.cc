@@ -6,6 +6,7 @@
 #include "agents/json_fields.h"
 #include "agents/replay.h"
 #include "agents/report/contact_sheet.h"
+#include "agents/report/dumped_action.h"
 #include "agents/run_folder.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -48,6 +49,8 @@ class Announced final : public Agent {
   EpisodeVideo& video_;
 };
 
+constexpr const char* kFrames = "action";  // what their names begin with
+
 class PlayCommand final : public Command {
  public:
   const char* name() const override { return "play"; }
@@ -78,12 +81,14 @@ class PlayCommand final : public Command {
     common_.StartLog();
     if (policy_.empty() == run_.empty()) throw InputError("play needs either --policy or --run");
     if (!run_.empty()) steps_ = ReadRunSteps(run_);
-    const std::string source = run_.empty() ? policy_ : run_;
-    const std::filesystem::path base = source == "random" ? "" : ConfigBeside(source);
-    Settings settings = LoadSettings(common_, {.base = base, .bag = bag_});
+    Settings settings = LoadSettings(
+        common_, run_.empty()
+                     ? SourceOf(policy_, bag_)
+                     : SettingsSource{.base = RunFolder::Open(run_).config(), .bag = bag_});
     // Before the folder, which would be left empty by a policy that is none.
     const std::unique_ptr<Agent> agent = run_.empty() ? LoadAgent(policy_, settings) : nullptr;
     MakeFolder(out_);
+    RemoveDumpedActions(out_, kFrames);
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
     environment.ShowFromTheSide();
     agent ? PlayEpisode(settings, *agent, environment) : RepeatStep(settings, environment);
@@ -93,11 +98,12 @@ class PlayCommand final : public Command {
  private:
   void PlayEpisode(const Settings& settings, const Agent& agent, TestbedEnv& environment) const {
     Episode episode;
-    EpisodeFrames frames(dump_, std::filesystem::path(out_) / "action");
+    EpisodeFrames frames(dump_, std::filesystem::path(out_) / kFrames);
     {
       EpisodeVideo video(std::filesystem::path(out_) / "episode.mp4", environment);
       episode = RunEpisode(environment, Announced(agent, settings.bagging, video),
                            {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0, &frames);
+      video.Finish();
     }
     frames.Finish(episode.true_success);
     nlohmann::ordered_json steps = nlohmann::ordered_json::array();
@@ -152,9 +158,10 @@ class PlayCommand final : public Command {
     EpisodeVideo video(std::filesystem::path(out_) / "action.mp4", environment);
     video.Say(caption);
     const Outcome outcome = environment.Act(action);
+    video.Finish();
     if (dump_ == "all" || (dump_ == "failures" && ActionFailed(percept.state, outcome))) {
       char name[32];
-      std::snprintf(name, sizeof name, "action%02d", step_);
+      std::snprintf(name, sizeof name, "%s%02d", kFrames, step_);
       nlohmann::ordered_json about = line;
       about["reward"] = outcome.reward;
       about["next_state"] = outcome.next.state;

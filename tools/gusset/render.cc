@@ -81,12 +81,9 @@ class RenderCommand final : public Command {
 
   void Run() override {
     common_.StartLog();
-    const std::filesystem::path base = policy_ == "random" ? "" : ConfigBeside(policy_);
-    Settings settings = LoadSettings(
-        common_, {.base = base,
-                  .bag = bag_,
-                  .assignments = {{"--vary", "variation.amount",
-                                   vary_ ? std::optional<std::string>("1") : std::nullopt}}});
+    SettingsSource source = SourceOf(policy_, bag_);
+    if (vary_) source.assignments.push_back({"--vary", "variation.amount", "1"});
+    Settings settings = LoadSettings(common_, source);
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
     const std::filesystem::path out = out_;
     for (const char* name : {"config.toml", "labels.jsonl"}) {

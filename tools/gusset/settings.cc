@@ -31,6 +31,19 @@ void ForgetBag(const std::string& bag, ConfigTree& tree) {
   }
 }
 
+// The bag that a policy was learnt with.
+std::optional<std::string> BagOf(const std::filesystem::path& policy) {
+  const nlohmann::json document = ReadJson(policy);
+  if (!document.is_object() || !document.contains("bag")) return std::nullopt;
+  try {
+    const auto bag = JsonField<std::string>(document, "bag");
+    if (!Exists(BagFile(bag))) throw InputError("bag = " + bag + ": there is no such file");
+    return bag;
+  } catch (const InputError& e) {
+    throw InputError(policy.string() + ": " + e.what());
+  }
+}
+
 extern "C" void OnStopSignal(int) { RequestStop(); }
 
 template <class Visitor>
@@ -85,6 +98,11 @@ void CommonOptions::AddTo(CLI::App& command) {
       ->capture_default_str();
 }
 
+void CommonOptions::ReadInto(ConfigTree& tree) const {
+  for (const std::string& file : config_files) tree.Load(file);
+  for (const std::string& assignment : assignments) tree.Set(assignment);
+}
+
 void CommonOptions::StartLog() const {
   const auto logger = std::make_shared<spdlog::logger>(
       "gusset", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
@@ -108,10 +126,13 @@ std::filesystem::path BagFile(const std::string& bag) {
                    "; there are: " + CLI::detail::join(names, ", "));
 }
 
-std::filesystem::path ConfigBeside(const std::filesystem::path& policy) {
-  const std::filesystem::path folder = IsFolder(policy) ? policy : policy.parent_path();
-  const std::filesystem::path file = folder / "config.toml";
-  return Exists(file) ? file : std::filesystem::path();
+SettingsSource SourceOf(const std::string& policy, const std::optional<std::string>& bag) {
+  if (policy == "random") return {.bag = bag};
+  const std::filesystem::path path = policy;
+  const std::filesystem::path config = (IsFolder(path) ? path : path.parent_path()) / "config.toml";
+  if (Exists(config)) return {.base = config, .bag = bag};
+  if (bag) return {.bag = bag};
+  return {.bag = BagOf(PolicyFile(path))};
 }
 
 void RefuseUnknownKeys(ConfigTree& tree) {
@@ -138,8 +159,7 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
     bag = settings.train.bag;
   }
   if (bag) settings.tree.Load(BagFile(*bag));
-  for (const std::string& file : common.config_files) settings.tree.Load(file);
-  for (const std::string& assignment : common.assignments) settings.tree.Set(assignment);
+  common.ReadInto(settings.tree);
   if (bag) settings.tree.SetText("train.bag", *bag, "--bag");
   for (const Assignment& a : source.assignments) {
     if (a.value) settings.tree.Set(a.key + "=" + *a.value, a.option);

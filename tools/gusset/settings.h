@@ -29,6 +29,8 @@ struct CommonOptions {
   std::string log_level = "info";
 
   void AddTo(CLI::App& command);
+  /// What --config and --set give, in this order, over what is in `tree`. @throws InputError.
+  void ReadInto(ConfigTree& tree) const;
   /// Sends the log to stderr at the level asked for.
   void StartLog() const;
 };
@@ -73,8 +75,10 @@ void RefuseUnknownKeys(ConfigTree& tree);
 /// The file of a bag by name ("bag1") or path. @throws InputError listing the names there are.
 std::filesystem::path BagFile(const std::string& bag);
 
-/// config.toml of the run folder that a policy lies in; empty if there is none.
-std::filesystem::path ConfigBeside(const std::filesystem::path& policy);
+/// Where the settings of a policy come from: the config.toml in its folder; if there is none, the
+/// bag that policy.json names is taken, unless `bag` is another. "random" has neither.
+/// @throws InputError if policy.json cannot be read or there is no such bag.
+SettingsSource SourceOf(const std::string& policy, const std::optional<std::string>& bag);
 
 /// A new learner of the kind that `settings.train.agent` names.
 /// @throws InputError if it is a network and this build has none.

@@ -81,6 +81,8 @@ TrainSummary TrainInFolder(const std::filesystem::path& out, const Settings& set
                            const EnvironmentWrap& wrap) {
   // Before the folder, which would hold a run of an agent that this build does not have.
   const std::unique_ptr<Agent> agent = MakeAgent(settings);
+  if (!resume) MakeFolder(out);
+  const FolderLock lock(out);
   const RunFolder folder = resume ? OpenRun(out, settings) : CreateRun(out, settings);
   TrainSummary summary;
   {
