@@ -83,6 +83,10 @@ ActionTable ActionTable::Load(const nlohmann::json& object, const std::vector<in
     for (const nlohmann::json& tried : JsonField<nlohmann::json::array_t>(saved[at], "tried")) {
       const int action = JsonField<int>(tried, "action", 0, n - 1);
       Entry& entry = table.rows_[at][static_cast<std::size_t>(action)];
+      if (entry.count > 0) {
+        throw InputError("action = " + std::to_string(action) + " of state " + std::to_string(s) +
+                         " is there twice");
+      }
       entry = {JsonField<int>(tried, "count", 1, kMany), JsonField<double>(tried, "value", lo, hi)};
       counted += entry.count;
     }
@@ -90,6 +94,11 @@ ActionTable ActionTable::Load(const nlohmann::json& object, const std::vector<in
       throw InputError("steps = " + std::to_string(table.steps(s)) + " of state " +
                        std::to_string(s) + " is not the sum of its counts, " +
                        std::to_string(counted));
+    }
+    // For people to read; one that was edited would have no effect.
+    if (saved[at].contains("best") && JsonField<int>(saved[at], "best") != table.best(s)) {
+      throw InputError("best = " + saved[at]["best"].dump() + " of state " + std::to_string(s) +
+                       " is not what its values say, " + std::to_string(table.best(s)));
     }
   }
   return table;

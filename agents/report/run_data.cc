@@ -1,6 +1,7 @@
 #include "agents/report/run_data.h"
 
 #include <algorithm>
+#include <array>
 #include <sstream>
 
 #include "agents/json_fields.h"
@@ -12,7 +13,9 @@
 namespace gusset {
 namespace {
 
-constexpr int kMost = 1000000000;
+// As evaluate has it, so that sums over many fit.
+constexpr int kMostEpisodes = 100000;
+constexpr int kMostAttempts = 100000000;
 
 // Lines of a resolved config, which has one value per line and no comments.
 std::map<std::string, std::string> Flatten(const std::string& toml) {
@@ -33,9 +36,17 @@ std::map<std::string, std::string> Flatten(const std::string& toml) {
 
 StateTally ReadTally(const nlohmann::json& json) {
   StateTally tally;
-  tally.attempts = JsonField<int>(json, "attempts", 0, kMost);
+  tally.attempts = JsonField<int>(json, "attempts", 0, kMostAttempts);
   tally.successes = JsonField<int>(json, "successes", 0, tally.attempts);
   return tally;
+}
+
+std::string Choice(const nlohmann::json& json, const std::string& key,
+                   const std::array<const char*, 2>& choices) {
+  const auto text = JsonField<std::string>(json, key);
+  if (std::ranges::find(choices, text) != choices.end()) return text;
+  throw InputError(key + " = " + json[key].dump() + " is not one of " + choices[0] + ", " +
+                   choices[1]);
 }
 
 EvaluationData ReadEvaluation(const std::filesystem::path& file) {
@@ -44,9 +55,9 @@ EvaluationData ReadEvaluation(const std::filesystem::path& file) {
     EvaluationData data;
     data.file = file.filename().string();
     data.bag = JsonField<std::string>(json, "bag");
-    data.start = JsonField<std::string>(json, "start");
-    data.pose = JsonField<std::string>(json, "pose");
-    data.episodes = JsonField<int>(json, "episodes", 1, kMost);
+    data.start = Choice(json, "start", {"folded", "unfolded"});
+    data.pose = Choice(json, "pose", {"near", "any"});
+    data.episodes = JsonField<int>(json, "episodes", 1, kMostEpisodes);
     data.true_successes = JsonField<int>(json, "true_successes", 0, data.episodes);
     data.perceived_successes = JsonField<int>(json, "perceived_successes", 0, data.episodes);
     const auto steps = JsonField<nlohmann::json::array_t>(json, "per_step");

@@ -137,9 +137,12 @@ TEST(PiLearning, ADamagedPolicyIsRefusedAndChangesNothing) {
     bad[nlohmann::json::json_pointer(pointer)] = value;
     return bad;
   };
+  nlohmann::json twice = damaged("/states/0/steps", 2);
+  twice["states"][0]["tried"].push_back(good["states"][0]["tried"][0]);
   for (const nlohmann::json& bad :
-       {nlohmann::json(), nlohmann::json::array(), nlohmann::json(3), damaged("/update", "best"),
-        damaged("/update", 3), damaged("/steps_per_state", 0), damaged("/epsilon_min", 2),
+       {twice, damaged("/states/0/best", 1), nlohmann::json(), nlohmann::json::array(),
+        nlohmann::json(3), damaged("/update", "best"), damaged("/update", 3),
+        damaged("/steps_per_state", 0), damaged("/epsilon_min", 2),
         damaged("/states", nlohmann::json::array()), damaged("/states/0/n_actions", 6),
         damaged("/states/0/steps", -1), damaged("/states/0/tried/0/action", 5),
         damaged("/states/0/tried/0/action", -1), damaged("/states/0/tried/0/count", 0),

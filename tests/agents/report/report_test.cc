@@ -192,8 +192,11 @@ TEST_F(Report, BrokenFilesAreNamed) {
 
   WriteFileAtomic(run / "evaluation_x.json", "{\"bag\": \"b\", \"start\": 1}");
   EXPECT_THAT(refusal(), HasSubstr("evaluation_x.json: start = 1 has the wrong type"));
-  WriteFileAtomic(run / "evaluation_x.json",
-                  R"({"bag": "b", "start": "f", "pose": "near", "episodes": 3, "true_successes": 2,
+  WriteFileAtomic(run / "evaluation_x.json", "{\"bag\": \"b\", \"start\": \"sideways\"}");
+  EXPECT_THAT(refusal(), HasSubstr("start = \"sideways\" is not one of folded, unfolded"));
+  WriteFileAtomic(
+      run / "evaluation_x.json",
+      R"({"bag": "b", "start": "folded", "pose": "near", "episodes": 3, "true_successes": 2,
                       "perceived_successes": 1, "per_step": [{"attempts": 3, "successes": 4}, 1, 1,
                       1]})");
   EXPECT_THAT(refusal(), HasSubstr("per_step[0].successes = 4 is not within [0, 3]"));
