@@ -42,6 +42,7 @@ RunFolder RunFolder::Create(const std::filesystem::path& root, const std::string
     throw InputError(part.string() +
                      ": is of a run whose config.toml is gone; choose another --out");
   }
+  MakeFolder(root);  // refuses an empty name
   MakeFolder(root / "checkpoint");
   MakeFolder(folder.frames());
   WriteFileAtomic(root / "run.json", JsonText(run));

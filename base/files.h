@@ -42,9 +42,8 @@ void MakeFolder(const std::filesystem::path& path);
 std::filesystem::path MoveAside(const std::filesystem::path& path);
 
 /// Keeps other processes from working in a folder at the same time, by a lock (flock(2)) on its
-/// file
-/// `.lock`, which a process that is killed leaves free. Where the file system has no locks it keeps
-/// nobody out.
+/// file `.lock`, which a process that is killed leaves free. Where the file system has no locks it
+/// keeps nobody out.
 class FolderLock {
  public:
   /// @throws InputError if another process has it, or the file cannot be written.
