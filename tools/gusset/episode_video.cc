@@ -1,5 +1,6 @@
 #include "tools/gusset/episode_video.h"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "base/captured_stderr.h"
@@ -14,6 +15,9 @@ constexpr double kFramesPerSecond = 15;
 constexpr int kInset = 340;  // the region of interest as perception sees it
 constexpr int kHeight = 480;
 constexpr int kWidth = 640;
+constexpr int kMargin = 10;  // beside the caption
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontScale = 0.5;
 
 }  // namespace
 
@@ -51,8 +55,10 @@ void EpisodeVideo::AddFrame() {
     cv::resize(DrawOverlay(seen, environment_.bagging().before()), overlay, {kInset, kInset});
     overlay.copyTo(image(cv::Rect(kWidth, 0, kInset, kInset)));
   }
-  cv::putText(image, caption_, {kWidth + 10, kInset + 40}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
-              cv::Scalar::all(30), 1, cv::LINE_AA);
+  const int width = cv::getTextSize(caption_, kFont, kFontScale, 1, nullptr).width;
+  const double fitting = kFontScale * std::min(1.0, (kInset - 2.0 * kMargin) / std::max(1, width));
+  cv::putText(image, caption_, {kWidth + kMargin, kInset + 40}, kFont, fitting, cv::Scalar::all(30),
+              1, cv::LINE_AA);
   writer_.write(image);
   ++frames_;
 }
