@@ -119,8 +119,8 @@ class Dqn final : public Agent {
     }
     loaded.steps_ = JsonField<int>(saved, "steps", 0, std::numeric_limits<int>::max());
     loaded.updates_ = JsonField<int>(saved, "updates", 0, loaded.steps_);
-    LoadTensors(saved, "online", loaded.online_.parameters());
-    LoadTensors(saved, "target", loaded.target_.parameters());
+    LoadTensors(saved, "online", loaded.online_.parameters(), kMostWeight);
+    LoadTensors(saved, "target", loaded.target_.parameters(), kMostWeight);
     loaded.adam_.Load(JsonField<nlohmann::json>(saved, "adam"));
     loaded.memory_ =
         LoadExperiences(saved, "memory", n_actions_, static_cast<std::size_t>(config_.buffer_size));

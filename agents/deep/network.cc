@@ -13,8 +13,6 @@ namespace gusset {
 namespace {
 
 constexpr int kHidden = 64;  // SB2's MlpPolicy: layers = [64, 64]
-// No training gets there; further on, layers of such weights overflow.
-constexpr double kMostWeight = 1e6;
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -230,7 +228,7 @@ nlohmann::json SaveTensors(const std::vector<at::Tensor>& tensors) {
 }
 
 void LoadTensors(const nlohmann::json& saved, const std::string& key,
-                 const std::vector<at::Tensor>& tensors) {
+                 const std::vector<at::Tensor>& tensors, double most) {
   const auto list = JsonField<nlohmann::json::array_t>(saved, key);
   if (list.size() != tensors.size()) {
     throw InputError(key + " has " + std::to_string(list.size()) + " tensors, not " +
@@ -250,8 +248,8 @@ void LoadTensors(const nlohmann::json& saved, const std::string& key,
       throw InputError(place + " is not base64 of " + std::to_string(plain.numel()) + " numbers");
     }
     // A negated comparison, so that NaN is refused too.
-    if (!(plain.abs() <= kMostWeight).all().item<bool>()) {
-      throw InputError(place + " has a number that is not within [-1e6, 1e6]");
+    if (!(plain.abs() <= most).all().item<bool>()) {
+      throw InputError(place + " has a number that is not within +-" + nlohmann::json(most).dump());
     }
     tensors[i].copy_(plain);
   }

@@ -75,9 +75,12 @@ class Optimizer {
 
 /// Every tensor as {"shape", "float32": base64 of its numbers, little-endian}.
 nlohmann::json SaveTensors(const std::vector<at::Tensor>& tensors);
+/// Bound of a weight that is loaded: three layers of larger ones overflow.
+constexpr double kMostWeight = 1e6;
 /// Copies what `saved` holds under `key` into `tensors`.
-/// @throws InputError naming the key unless number, shapes and data fit and all is finite.
+/// @param most  bound of every number; by default what squares of gradients may come to.
+/// @throws InputError naming the key unless number, shapes and data fit and all is within bounds.
 void LoadTensors(const nlohmann::json& saved, const std::string& key,
-                 const std::vector<at::Tensor>& tensors);
+                 const std::vector<at::Tensor>& tensors, double most = 1e12);
 
 }  // namespace gusset

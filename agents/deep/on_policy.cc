@@ -102,8 +102,8 @@ void OnPolicyAgent::Load(const nlohmann::json& saved) {
   const int updates = JsonField<int>(saved, "updates", 0, std::numeric_limits<int>::max());
   const Mlp policy = policy_.Clone();
   const Mlp value = value_.Clone();
-  LoadTensors(saved, "policy", policy.parameters());
-  LoadTensors(saved, "value", value.parameters());
+  LoadTensors(saved, "policy", policy.parameters(), kMostWeight);
+  LoadTensors(saved, "value", value.parameters(), kMostWeight);
   Optimizer optimizer = optimizer_.Clone();
   optimizer.Load(JsonField<nlohmann::json>(saved, "optimizer"));
   rollout_ = LoadExperiences(saved, "rollout", n_actions_, static_cast<std::size_t>(n_steps_) - 1);

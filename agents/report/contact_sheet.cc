@@ -11,7 +11,7 @@ namespace gusset {
 void WriteContactSheet(const std::filesystem::path& folder) {
   nlohmann::ordered_json actions = nlohmann::ordered_json::array();
   for (const DumpedAction& action : ReadDumpedActions(folder)) actions.push_back(action.ToJson());
-  WriteFileAtomic(folder / "contact_sheet.html", FillPage("contact_sheet", {{"actions", actions}}));
+  WriteFileAtomic(folder / kContactSheet, FillPage("contact_sheet", {{"actions", actions}}));
 }
 
 }  // namespace gusset

@@ -41,6 +41,25 @@ DumpedAction Read(const std::filesystem::path& file, const nlohmann::json& json)
   }
 }
 
+bool TellsOfAction(const nlohmann::json& json) {
+  return json.is_object() && json.contains("before") && json.contains("after");
+}
+
+bool TellsOfAction(const std::filesystem::path& file) {
+  try {
+    return TellsOfAction(ReadJson(file));
+  } catch (const InputError&) {
+    return false;  // somebody's own
+  }
+}
+
+// As FrameWriter names them.
+bool IsPictureOf(const std::string& prefix, const std::string& file) {
+  if (!file.starts_with(prefix) || !file.ends_with(".png")) return false;
+  const std::string rest = file.substr(prefix.size());
+  return rest.starts_with("_before") || rest.starts_with("_after") || rest == "_oblique.png";
+}
+
 }  // namespace
 
 std::string OutcomeName(int state, int next_state, bool done, bool success, bool success_true) {
@@ -75,7 +94,7 @@ std::vector<DumpedAction> ReadDumpedActions(const std::filesystem::path& folder)
   for (const auto& entry : entries) {
     if (entry.path().extension() != ".json") continue;
     const nlohmann::json json = ReadJson(entry.path());
-    if (!json.is_object() || !json.contains("before") || !json.contains("after")) continue;
+    if (!TellsOfAction(json)) continue;
     actions.push_back(Read(entry.path(), json));
   }
   std::ranges::sort(actions, {}, [](const DumpedAction& a) {
@@ -85,20 +104,24 @@ std::vector<DumpedAction> ReadDumpedActions(const std::filesystem::path& folder)
 }
 
 void RemoveDumpedActions(const std::filesystem::path& folder, const std::string& begin) {
-  std::vector<std::string> names;
-  for (const DumpedAction& action : ReadDumpedActions(folder)) {
-    const std::string name = action.prefix.filename();
-    if (name.starts_with(begin)) names.push_back(name);
-  }
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> prefixes;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string file = entry.path().filename();
-    const auto is_of = [&](const std::string& name) {
-      return file.starts_with(name + ".") || file.starts_with(name + "_");
-    };
-    if (std::ranges::any_of(names, is_of)) files.push_back(entry.path());
+    const std::filesystem::path& file = entry.path();
+    if (file.extension() != ".json" || !file.stem().string().starts_with(begin)) continue;
+    if (TellsOfAction(file)) prefixes.push_back(file.parent_path() / file.stem());
   }
-  for (const std::filesystem::path& file : files) std::filesystem::remove(file);
+  for (const std::filesystem::path& prefix : prefixes) {
+    std::vector<std::filesystem::path> pictures;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.is_regular_file() && IsPictureOf(prefix.filename(), entry.path().filename())) {
+        pictures.push_back(entry.path());
+      }
+    }
+    for (const std::filesystem::path& picture : pictures) std::filesystem::remove(picture);
+    // Last, as it is written: what is left by a kill is found again.
+    std::filesystem::remove(prefix.string() + ".json");
+  }
+  std::filesystem::remove(folder / kContactSheet);
 }
 
 }  // namespace gusset

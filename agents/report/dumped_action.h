@@ -39,8 +39,12 @@ struct DumpedAction {
 /// @throws InputError naming file and key of what is broken.
 std::vector<DumpedAction> ReadDumpedActions(const std::filesystem::path& folder);
 
-/// Removes those whose names begin with `begin`, and their pictures, lest what an earlier command
-/// left be taken for a result of the next. @throws InputError as above.
+/// What WriteContactSheet calls its page.
+inline constexpr const char* kContactSheet = "contact_sheet.html";
+
+/// Removes those whose names begin with `begin`, their pictures and the contact sheet, lest what an
+/// earlier command left be taken for a result of the next. Nothing else goes.
+/// @throws std::filesystem::filesystem_error if something cannot be removed.
 void RemoveDumpedActions(const std::filesystem::path& folder, const std::string& begin);
 
 }  // namespace gusset

@@ -123,7 +123,7 @@ void ArmModel::FindFingers() {
   finger_a_ = finger(config_.finger_joint_a, "finger_joint_a");
   finger_b_ = finger(config_.finger_joint_b, "finger_joint_b");
   if (finger_a_ == finger_b_) {
-    throw InputError("robot.finger_joint_a and robot.finger_joint_b are both '" +
+    throw InputError(robot_.file() + ": robot.finger_joint_a and robot.finger_joint_b are both '" +
                      config_.finger_joint_a + "'");
   }
   for (const int j : {finger_a_, finger_b_}) {

@@ -181,6 +181,7 @@ TEST_F(Cli, BrokenImagesAreRefusedByName) {
   cv::imwrite((dir_ / "whole.png").string(), cv::Mat::zeros(480, 640, CV_8UC3));
   const std::string whole = " " + (dir_ / "whole.png").string();
   ExpectRefused("classify --crop 0,0,700,340" + whole, "is not within the image's 640x480");
+  ExpectRefused("classify --crop 0,0,10,340" + whole, "--crop: 0,0,10,340 has a side below 32");
   for (const char* crop : {"0,0,340", "0,0,340,340,1", "0,0,a,340", "0;0;340;340"}) {
     ExpectRefused("classify --crop '" + std::string(crop) + "'" + whole, "is not x,y,width,height");
   }
@@ -256,7 +257,7 @@ TEST_F(Cli, APolicyWithoutItsRunHasItsBag) {
   ASSERT_NE(at, std::string::npos);
   const fs::path other = Write("p.json", text.replace(at, bag.size(), R"("bag": "bag7")"));
   const std::string out = " --out " + (dir_ / "x").string();
-  ExpectRefused("play --policy " + other.string() + out, "p.json: --bag: no bag is called bag7");
+  ExpectRefused("play --policy " + other.string() + out, "p.json: bag: no bag is called bag7");
 }
 
 TEST_F(Cli, AFilmThatCannotBeWrittenIsRefusedInOneLine) {
@@ -442,7 +443,9 @@ TEST_F(Cli, ARunFolderThatIsNoneIsRefused) {
   Write("steps.jsonl", line(0, 0, 81) + line(1, 7, 0));
   ExpectRefused(play + "0", "steps.jsonl:1: action");
   ExpectRefused(play + "1", "steps.jsonl:2: state");
+  Write("x/action00.json", "{\"before\": {}, \"after\": {}}");
   ExpectRefused(play + "2", "has 2 steps");
+  EXPECT_TRUE(fs::exists(dir_ / "x/action00.json")) << "what is refused removes nothing";
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ class EvaluateCommand final : public Command {
     const Settings settings = LoadSettings(common_, SourceOf(policy_, bag_));
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
 
-    if (dump_ != "none") RemoveDumpedActions(frames, "episode");
+    // Also where none are kept: they would lie beside figures that they are not of.
+    if (!out_.empty() && IsFolder(frames)) RemoveDumpedActions(frames, "episode");
     WatchForStop();
     const auto start = std::chrono::steady_clock::now();
     Workers workers(jobs_, settings.EnvironmentFactory());

@@ -28,9 +28,10 @@ class ExperimentCommand final : public Command {
     thesis.add_option("--out", out_, "Folder for results.csv, trainings/ and trials/")
         ->type_name("DIR")
         ->capture_default_str();
-    thesis.add_flag("--resume", resume_,
-                    "Continue in --out; what is finished there is kept, so more can be added "
-                    "(a row that is asked for again has the seeds asked for last)");
+    thesis.add_flag(
+        "--resume", resume_,
+        "Continue in --out; what is finished there is kept, so more can be added "
+        "(a row that is asked for again has the seeds asked for last, once they are done)");
     thesis.add_flag("--list", list_, "Print what would be done, and how many actions it takes");
     thesis.add_flag("--full", options_.full,
                     "Also what the thesis does not have: update rules, other learners, ablations");

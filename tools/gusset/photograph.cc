@@ -67,10 +67,14 @@ Photograph PreparePhotograph(const RgbdFrame& image, const PhotographOptions& op
                              const PerceptionConfig& config) {
   const cv::Rect whole({0, 0}, image.color.size());
   const cv::Rect crop = options.crop.value_or(whole);
-  if (crop.width < kLeastSide_px || crop.height < kLeastSide_px) {
-    throw InputError("is " + std::to_string(crop.width) + "x" + std::to_string(crop.height) +
+  if (std::min(whole.width, whole.height) < kLeastSide_px) {
+    throw InputError("is " + std::to_string(whole.width) + "x" + std::to_string(whole.height) +
                      " pixels, of which nothing can be told; each side must have " +
                      std::to_string(kLeastSide_px));
+  }
+  if (std::min(crop.width, crop.height) < kLeastSide_px) {
+    throw InputError("--crop: " + Text(crop) + " has a side below " +
+                     std::to_string(kLeastSide_px) + " px");
   }
   if ((crop & whole) != crop) {
     throw InputError("--crop: " + Text(crop) + " is not within the image's " +

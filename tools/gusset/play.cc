@@ -50,6 +50,9 @@ class Announced final : public Agent {
 };
 
 constexpr const char* kFrames = "action";  // what their names begin with
+constexpr const char* kEpisodeFilm = "episode.mp4";
+constexpr const char* kActionFilm = "action.mp4";
+constexpr const char* kEpisode = "episode.json";
 
 class PlayCommand final : public Command {
  public:
@@ -88,7 +91,6 @@ class PlayCommand final : public Command {
     // Before the folder, which would be left empty by a policy that is none.
     const std::unique_ptr<Agent> agent = run_.empty() ? LoadAgent(policy_, settings) : nullptr;
     MakeFolder(out_);
-    RemoveDumpedActions(out_, kFrames);
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
     environment.ShowFromTheSide();
     agent ? PlayEpisode(settings, *agent, environment) : RepeatStep(settings, environment);
@@ -96,11 +98,20 @@ class PlayCommand final : public Command {
   }
 
  private:
+  // What an earlier play left would be taken for a part of this one.
+  void ClearFolder(const char* other_film) const {
+    RemoveDumpedActions(out_, kFrames);
+    for (const char* name : {other_film, kEpisode}) {
+      std::filesystem::remove(std::filesystem::path(out_) / name);
+    }
+  }
+
   void PlayEpisode(const Settings& settings, const Agent& agent, TestbedEnv& environment) const {
     Episode episode;
     EpisodeFrames frames(dump_, std::filesystem::path(out_) / kFrames);
     {
-      EpisodeVideo video(std::filesystem::path(out_) / "episode.mp4", environment);
+      EpisodeVideo video(std::filesystem::path(out_) / kEpisodeFilm, environment);
+      ClearFolder(kActionFilm);
       episode = RunEpisode(environment, Announced(agent, settings.bagging, video),
                            {.start = start_.kind(), .episodes = 1, .seed = seed_}, 0, &frames);
       video.Finish();
@@ -125,7 +136,7 @@ class PlayCommand final : public Command {
                                              {"true_success", episode.true_success},
                                              {"perceived_success", episode.perceived_success},
                                              {"steps", steps}};
-    WriteFileAtomic(std::filesystem::path(out_) / "episode.json", JsonText(document));
+    WriteFileAtomic(std::filesystem::path(out_) / kEpisode, JsonText(document));
   }
 
   /// A number of the step to repeat. @throws InputError naming file and line.
@@ -155,7 +166,8 @@ class PlayCommand final : public Command {
                      std::to_string(percept.state));
     }
     const std::string caption = Caption(settings.bagging, percept.state, action);
-    EpisodeVideo video(std::filesystem::path(out_) / "action.mp4", environment);
+    EpisodeVideo video(std::filesystem::path(out_) / kActionFilm, environment);
+    ClearFolder(kEpisodeFilm);
     video.Say(caption);
     const Outcome outcome = environment.Act(action);
     video.Finish();

@@ -31,14 +31,30 @@ void ForgetBag(const std::string& bag, ConfigTree& tree) {
   }
 }
 
+// @param key  what gives the name, for errors.
+std::filesystem::path BagNamed(const std::string& bag, const std::string& key) {
+  if (bag.ends_with(".toml")) return bag;
+  const std::filesystem::path folder = AssetsFolder() / "bags";
+  std::filesystem::path file = folder / (bag + ".toml");
+  if (Exists(file)) return file;
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
+  }
+  std::ranges::sort(names);
+  throw InputError(key + ": no bag is called " + bag +
+                   "; there are: " + CLI::detail::join(names, ", "));
+}
+
 // The bag that a policy was learnt with.
 std::optional<std::string> BagOf(const std::filesystem::path& policy) {
   const nlohmann::json document = ReadJson(policy);
   if (!document.is_object() || !document.contains("bag")) return std::nullopt;
   try {
     const auto bag = JsonField<std::string>(document, "bag");
-    if (!Exists(BagFile(bag))) throw InputError("bag = " + bag + ": there is no such file");
-    return bag;
+    if (Exists(BagNamed(bag, "bag"))) return bag;
+    throw InputError("bag: there is no file " + bag);
   } catch (const InputError& e) {
     throw InputError(policy.string() + ": " + e.what());
   }
@@ -111,20 +127,7 @@ void CommonOptions::StartLog() const {
   spdlog::set_default_logger(logger);
 }
 
-std::filesystem::path BagFile(const std::string& bag) {
-  if (bag.ends_with(".toml")) return bag;
-  const std::filesystem::path folder = AssetsFolder() / "bags";
-  std::filesystem::path file = folder / (bag + ".toml");
-  if (Exists(file)) return file;
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
-  }
-  std::ranges::sort(names);
-  throw InputError("--bag: no bag is called " + bag +
-                   "; there are: " + CLI::detail::join(names, ", "));
-}
+std::filesystem::path BagFile(const std::string& bag) { return BagNamed(bag, "--bag"); }
 
 SettingsSource SourceOf(const std::string& policy, const std::optional<std::string>& bag) {
   if (policy == "random") return {.bag = bag};

@@ -243,7 +243,8 @@ TEST_F(ExperimentTest, PartsThatAreAddedLaterStandBesideThoseThatWereThere) {
   options_.first_seed = 3;
   EXPECT_THROW(Run(parts, rig, 1, [] { return true; }), RunError);
   EXPECT_THAT(seeds("pi10"), testing::ElementsAre("1", "pooled"));
-  while (!seeds("pi10").contains("3")) {
+  for (int interruptions = 0; !seeds("pi10").contains("3"); ++interruptions) {
+    ASSERT_LT(interruptions, 100);
     int asked = 0;
     ASSERT_THROW(Run(parts, rig, 1, [&] { return ++asked > 40; }), RunError);
     EXPECT_TRUE(seeds("pi10").contains("1"));
