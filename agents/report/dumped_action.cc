@@ -53,12 +53,10 @@ bool TellsOfAction(const std::filesystem::path& file) {
   }
 }
 
-// As FrameWriter names them.
-bool IsPictureOf(const std::string& prefix, const std::string& file) {
-  if (!file.starts_with(prefix) || !file.ends_with(".png")) return false;
-  const std::string rest = file.substr(prefix.size());
-  return rest.starts_with("_before") || rest.starts_with("_after") || rest == "_oblique.png";
-}
+// As FrameWriter names its pictures.
+constexpr const char* kPictures[] = {
+    "_before.png", "_before_depth.png", "_before_overlay.png", "_before_masks.png", "_oblique.png",
+    "_after.png",  "_after_depth.png",  "_after_overlay.png",  "_after_masks.png"};
 
 }  // namespace
 
@@ -111,13 +109,7 @@ void RemoveDumpedActions(const std::filesystem::path& folder, const std::string&
     if (TellsOfAction(file)) prefixes.push_back(file.parent_path() / file.stem());
   }
   for (const std::filesystem::path& prefix : prefixes) {
-    std::vector<std::filesystem::path> pictures;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      if (entry.is_regular_file() && IsPictureOf(prefix.filename(), entry.path().filename())) {
-        pictures.push_back(entry.path());
-      }
-    }
-    for (const std::filesystem::path& picture : pictures) std::filesystem::remove(picture);
+    for (const char* picture : kPictures) std::filesystem::remove(prefix.string() + picture);
     // Last, as it is written: what is left by a kill is found again.
     std::filesystem::remove(prefix.string() + ".json");
   }
