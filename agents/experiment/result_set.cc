@@ -17,8 +17,6 @@
 namespace gusset {
 namespace {
 
-// What a line has as its seed that sums up all of them.
-constexpr const char* kPooled = "pooled";
 // As curve.png has it.
 constexpr int kCurveWindow = 20;
 // Points of each of Figure 5.6's curves.

@@ -17,10 +17,13 @@
 
 namespace gusset {
 
+/// What a line that sums up all seeds has as its own.
+inline constexpr const char* kPooled = "pooled";
+
 /// One line of results.csv: a measure of one row of a table, for one seed or pooled over all.
 struct ResultRow {
   std::string table, row, column;
-  std::string seed;                          ///< A number, or "pooled".
+  std::string seed;                          ///< A number, or kPooled.
   std::optional<int> n, successes;           ///< Of a rate.
   std::optional<double> value;               ///< The rate or the mean; nothing for n = 0.
   std::optional<double> low, high;           ///< 95 %: Wilson's for a rate, Student's t for a mean.

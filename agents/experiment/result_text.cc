@@ -94,7 +94,7 @@ std::string ResultText(const std::vector<ResultRow>& rows) {
   for (const std::string& table : ExperimentTables()) {
     std::vector<ResultRow> pooled;
     for (const ResultRow& row : rows) {
-      if (row.table == table && row.seed == "pooled") pooled.push_back(row);
+      if (row.table == table && row.seed == kPooled) pooled.push_back(row);
     }
     if (pooled.empty()) continue;
     // Figure 5.6 is for the eye, not for reading.
