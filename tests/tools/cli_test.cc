@@ -314,6 +314,11 @@ TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
   ExpectRefused(corpus, "A_bag = -1 is not within [0");
   label("{\"file\": \"a.png\", \"state\": \"s1\", \"cube_m\": [0, 0]}");
   ExpectRefused(corpus, "cube_m");
+  label(
+      R"({"file": "a.png", "state": "s1", "label_px2": [9], "label_centre_px": [[1, 2], [3, 4]]})");
+  ExpectRefused(corpus, "label_px2 = [9] must have 2 elements");
+  label(R"({"file": "a.png", "state": "s1", "label_px2": [9], "label_centre_px": [[1]]})");
+  ExpectRefused(corpus, "label_centre_px[0] = [1] must have 2 elements");
   label("{\"file\": \"a.png\", \"state\": \"s1\"}");
   ExpectRefused(corpus, "a.png: cannot be read");
   Write("a.png", "cut short");

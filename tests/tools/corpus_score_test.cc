@@ -17,6 +17,8 @@ LabelledFrame Frame(State state, double A_bag, double A_o, int labels) {
   return frame;
 }
 
+constexpr double kFloor_px2 = 10;
+
 Observation Seen(State state, double A_bag = 30000, double A_o = 0) {
   Observation seen;
   seen.state = state;
@@ -30,7 +32,9 @@ Observation Seen(State state, double A_bag = 30000, double A_o = 0) {
 // Bag 1: A_th = 25000, A_oth = 700, 0.55 A_flat = 19222.5.
 TEST(ThresholdMargin, IsTheLeastChangeOfAreaThatChangesTheState) {
   const BagThresholds bag1;
-  const auto margin = [&](const LabelledFrame& frame) { return ThresholdMargin(frame, bag1); };
+  const auto margin = [&](const LabelledFrame& frame) {
+    return ThresholdMargin(frame, bag1, kFloor_px2);
+  };
   EXPECT_FALSE(margin(Frame(State::kUnfolded, 34000, 0, 5)));
   EXPECT_NEAR(margin(Frame(State::kUnfolded, 25500, 0, 5)).value(), 500 / 25500.0, 1e-6);
   EXPECT_NEAR(margin(Frame(State::kFolded, 24500, 0, 5)).value(), 500 / 24500.0, 1e-6);
@@ -43,18 +47,43 @@ TEST(ThresholdMargin, IsTheLeastChangeOfAreaThatChangesTheState) {
 
 TEST(ThresholdMargin, CountsOnlyThresholdsThatDecide) {
   const BagThresholds bag1;
-  EXPECT_FALSE(ThresholdMargin(Frame(State::kFolded, 25100, 0, 2), bag1)) << "no mouth: s0 anyhow";
-  EXPECT_FALSE(ThresholdMargin(Frame(State::kFolded, 19300, 0, 5), bag1)) << "0.55 is for s2";
-  EXPECT_FALSE(ThresholdMargin(Frame(State::kOpen, 25100, 3000, 5), bag1)) << "s2 on either side";
-  EXPECT_FALSE(ThresholdMargin(Frame(State::kFilled, 25100, 700, 5), bag1));
+  EXPECT_FALSE(ThresholdMargin(Frame(State::kFolded, 25100, 0, 2), bag1, kFloor_px2))
+      << "no mouth: s0 anyhow";
+  EXPECT_FALSE(ThresholdMargin(Frame(State::kFolded, 19300, 0, 5), bag1, kFloor_px2))
+      << "0.55 is for s2";
+  EXPECT_FALSE(ThresholdMargin(Frame(State::kOpen, 25100, 3000, 5), bag1, kFloor_px2))
+      << "s2 on either side";
+  EXPECT_FALSE(ThresholdMargin(Frame(State::kFilled, 25100, 700, 5), bag1, kFloor_px2));
+}
+
+// Three labels 90 px apart make a mouth of several thousand px^2, two make none. The fourth lies
+// among them and hardly changes it.
+TEST(ThresholdMargin, TakesInTheNoiseFloorOfLabelsThatDecide) {
+  const BagThresholds bag1;
+  LabelledFrame frame = Frame(State::kOpen, 34000, 4000, 3);
+  const auto margin = [&](double third_px2, double fourth_px2) {
+    frame.shown = {
+        {55, {100, 100}}, {55, {190, 100}}, {third_px2, {145, 190}}, {fourth_px2, {140, 130}}};
+    return ThresholdMargin(frame, bag1, kFloor_px2);
+  };
+  EXPECT_FALSE(margin(30, 5));
+  EXPECT_NEAR(margin(10.2, 5).value(), 0.2 / 10.2, 1e-6) << "two labels less: no mouth";
+  EXPECT_FALSE(margin(10.4, 5)) << "further off than 3 %";
+  frame = Frame(State::kOpen, 34000, 4000, 4);
+  EXPECT_FALSE(margin(30, 10.2)) << "s2 without it, too";
+  // From two labels and s0 to three.
+  frame = Frame(State::kFolded, 34000, 0, 2);
+  EXPECT_NEAR(margin(9.9, 5).value(), 0.1 / 9.9, 1e-6);
 }
 
 TEST(CorpusScore, CountsClearFramesAndNearOnesApart) {
   const BagThresholds bag1;
   CorpusScore score;
-  EXPECT_TRUE(score.Add(Frame(State::kUnfolded, 34000, 0, 5), bag1, Seen(State::kUnfolded), {}));
-  EXPECT_FALSE(score.Add(Frame(State::kUnfolded, 34000, 0, 5), bag1, Seen(State::kOpen), {}));
-  EXPECT_FALSE(score.Add(Frame(State::kUnfolded, 25100, 0, 5), bag1, Seen(State::kFolded), {}));
+  const LabelledFrame flat = Frame(State::kUnfolded, 34000, 0, 5);
+  EXPECT_TRUE(score.Add(flat, bag1, std::nullopt, Seen(State::kUnfolded), {}));
+  EXPECT_FALSE(score.Add(flat, bag1, std::nullopt, Seen(State::kOpen), {}));
+  EXPECT_FALSE(
+      score.Add(Frame(State::kUnfolded, 25100, 0, 5), bag1, 0.004, Seen(State::kFolded), {}));
   const nlohmann::ordered_json report = score.Report();
   EXPECT_EQ(report.at("frames"), 3);
   EXPECT_EQ(report.at("clear_frames"), 2);
@@ -70,7 +99,8 @@ TEST(CorpusScore, BiasAndSpreadAreMeanAndStandardDeviation) {
   const BagThresholds bag1;
   CorpusScore score;
   for (const double A_bag : {33000, 35000}) {
-    score.Add(Frame(State::kUnfolded, 32000, 0, 5), bag1, Seen(State::kUnfolded, A_bag, 10), {});
+    score.Add(Frame(State::kUnfolded, 32000, 0, 5), bag1, std::nullopt,
+              Seen(State::kUnfolded, A_bag, 10), {});
   }
   const nlohmann::ordered_json state = score.Report().at("states").at(1);
   EXPECT_NEAR(state.at("A_bag_px2").at("bias").get<double>(), 2000, 1e-9);
@@ -89,7 +119,7 @@ TEST(CorpusScore, PosePointsCountWhereTheyAreMeantToBe) {
     seen.place_points.push_back({px, Eigen::Vector3d::Zero(), true});
   }
   CorpusScore score;
-  score.Add(Frame(State::kUnfolded, 34000, 0, 5), BagThresholds(), seen, surface);
+  score.Add(Frame(State::kUnfolded, 34000, 0, 5), BagThresholds(), std::nullopt, seen, surface);
   seen.state = State::kOpen;
   // Once too narrow for the cube, once of unknown width, once as wide as it has to be; and a lip
   // with as much room that is no closed mouth.
@@ -97,10 +127,10 @@ TEST(CorpusScore, PosePointsCountWhereTheyAreMeantToBe) {
   for (const double radius : {0.9 * room, 0.0, room}) {
     seen.width.reset();
     if (radius > 0) seen.width = Width{radius, 100, {}};
-    score.Add(Frame(State::kOpen, 34000, 2000, 5), BagThresholds(), seen, surface);
+    score.Add(Frame(State::kOpen, 34000, 2000, 5), BagThresholds(), std::nullopt, seen, surface);
   }
   seen.width->closed = false;
-  score.Add(Frame(State::kOpen, 34000, 2000, 5), BagThresholds(), seen, surface);
+  score.Add(Frame(State::kOpen, 34000, 2000, 5), BagThresholds(), std::nullopt, seen, surface);
   const nlohmann::ordered_json points = score.Report().at("pose_points");
   EXPECT_EQ(points.at(2).at("share"), 0.25) << points.at(2).dump();
   EXPECT_EQ(points.at(3).at("share"), 0.5) << points.at(3).dump();

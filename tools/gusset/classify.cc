@@ -290,9 +290,12 @@ class ClassifyCommand final : public Command {
         const Observation seen = Look(frame, truth.color, camera, config);
         const cv::Mat surface =
             truth.surface.empty() ? cv::Mat() : ReadSurface(truth.surface, frame.color.size());
-        const bool right = score.Add(truth, config.chosen_thresholds(), seen, surface);
+        const BagThresholds& thresholds = config.chosen_thresholds();
+        const std::optional<double> margin =
+            ThresholdMargin(truth, thresholds, config.perception.label_min_px2);
+        const bool right = score.Add(truth, thresholds, margin, seen, surface);
         nlohmann::ordered_json entry = Json(truth.color.string(), seen);
-        AddTruth(truth, config.chosen_thresholds(), entry);
+        AddTruth(truth, margin, entry);
         if (!right && !out_.empty()) {
           const std::filesystem::path picture =
               out / "failures" / PictureName(list.size(), truth, seen);
@@ -317,13 +320,13 @@ class ClassifyCommand final : public Command {
     std::printf("%s", score.Text().c_str());
   }
 
-  static void AddTruth(const LabelledFrame& truth, const BagThresholds& thresholds,
+  static void AddTruth(const LabelledFrame& truth, std::optional<double> margin,
                        nlohmann::ordered_json& entry) {
     entry["state_true"] = StateName(truth.state);
     if (!truth.has_areas) return;
     entry["A_bag_true"] = truth.A_bag;
     entry["A_o_true"] = truth.A_o;
-    if (const auto margin = ThresholdMargin(truth, thresholds)) entry["margin"] = *margin;
+    if (margin) entry["margin"] = *margin;
   }
 
   static std::string PictureName(std::size_t index, const LabelledFrame& truth,

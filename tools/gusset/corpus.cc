@@ -61,6 +61,15 @@ LabelledFrame ParseLabel(const std::filesystem::path& folder, const std::string&
     frame.A_o = JsonField<double>(label, "A_o", 0, kMaxArea);
     frame.labels = JsonField<int>(label, "labels", 0, 1000);
   }
+  if (label.contains("label_px2") && label.contains("label_centre_px")) {
+    const auto centres = JsonField<nlohmann::json::array_t>(label, "label_centre_px");
+    const std::vector<double> areas = Numbers(label, "label_px2", centres.size(), kMaxArea);
+    for (std::size_t k = 0; k < areas.size(); ++k) {
+      const std::string key = "label_centre_px[" + std::to_string(k) + "]";
+      const std::vector<double> px = Numbers({{key, centres[k]}}, key, 2, kMaxArea);
+      frame.shown.push_back({areas[k], {px[0], px[1]}});
+    }
+  }
   if (label.contains("cube_m") &&
       !(label.contains("cube_hidden") && JsonField<bool>(label, "cube_hidden"))) {
     const std::vector<double> p = Numbers(label, "cube_m", 3, kMaxLength);

@@ -19,10 +19,16 @@ struct LabelledFrame {
   std::string file;               ///< As the line names it.
   std::string world;              ///< Frames with the same name show the same bag; may be empty.
   State state = State::kSuccess;
-  bool has_areas = false;                 ///< The next three are given.
-  double A_bag = 0;                       ///< px^2.
-  double A_o = 0;                         ///< px^2.
-  int labels = 0;                         ///< Labels seen.
+  bool has_areas = false;  ///< The next three are given.
+  double A_bag = 0;        ///< px^2.
+  double A_o = 0;          ///< px^2.
+  int labels = 0;          ///< Labels seen.
+  /// What shows of each label, if the line says so.
+  struct Label {
+    double px2 = 0;
+    cv::Point2d centre_px;
+  };
+  std::vector<Label> shown;
   std::optional<Eigen::Vector3d> cube_m;  ///< The cube's centre, where it can be seen.
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "perception/opening_area.h"
 #include "sim/top_view.h"
 #include "tools/gusset/frame_truth.h"
 
@@ -24,14 +25,28 @@ constexpr const char* kPointNames[] = {"s0 grasp points on the bag",
                                        "the same, of a mouth with room for it",
                                        "s3 grasp points on the bag"};
 
-State StateByAreas(const LabelledFrame& truth, double A_bag, double A_o,
-                   const BagThresholds& thresholds) {
+State StateByAreas(int labels, double A_bag, double A_o, const BagThresholds& thresholds) {
   Evidence evidence;
   evidence.bag_seen = true;
-  evidence.labels_seen = truth.labels;
+  evidence.labels_seen = labels;
   evidence.A_bag = A_bag;
   evidence.A_o = A_o;
   return ClassifyState(evidence, thresholds).state;
+}
+
+// The mouth if all labels showed more by this share of what they show.
+struct Mouth {
+  double share;
+  int labels;
+  double A_o;
+};
+
+Mouth MouthBeside(const LabelledFrame& truth, double share, double label_min_px2) {
+  std::vector<cv::Point2d> seen;
+  for (const LabelledFrame::Label& label : truth.shown) {
+    if (label.px2 * (1 + share) >= label_min_px2) seen.push_back(label.centre_px);
+  }
+  return {share, static_cast<int>(seen.size()), MeasureOpening(seen).area_px2};
 }
 
 bool IsCloth(Shown shown) { return shown != Shown::kNothing && shown != Shown::kCube; }
@@ -49,24 +64,35 @@ nlohmann::ordered_json Json(const Spread& spread) {
 
 }  // namespace
 
-std::optional<double> ThresholdMargin(const LabelledFrame& truth, const BagThresholds& thresholds) {
+std::optional<double> ThresholdMargin(const LabelledFrame& truth, const BagThresholds& thresholds,
+                                      double label_min_px2) {
   if (!truth.has_areas || static_cast<int>(truth.state) > 2) return std::nullopt;
-  std::optional<double> least;
   // Areas at which a share s of change puts either exactly onto a threshold, and a hair beyond.
   constexpr double kHair = 1e-9;
   const auto change_to = [](double area, double threshold) {
     return area > 0 ? threshold / area - 1 : 1;
   };
+  std::vector<Mouth> mouths = {{0, truth.labels, truth.A_o}};
+  for (const LabelledFrame::Label& label : truth.shown) {
+    const double to_floor = change_to(label.px2, label_min_px2);
+    if (std::abs(to_floor) > kNearThreshold) continue;
+    for (const double share : {to_floor - kHair, to_floor + kHair}) {
+      mouths.push_back(MouthBeside(truth, share, label_min_px2));
+    }
+  }
   const double to_th = change_to(truth.A_bag, thresholds.A_th);
   const double to_open = change_to(truth.A_bag, kOpenBagShare * thresholds.A_flat);
-  const double to_oth = change_to(truth.A_o, thresholds.A_oth);
-  for (const double bag : {0.0, to_th - kHair, to_th + kHair, to_open - kHair, to_open + kHair}) {
-    for (const double opening : {0.0, to_oth - kHair, to_oth + kHair}) {
-      const double share = std::max(std::abs(bag), std::abs(opening));
-      if (share > kNearThreshold || (least && share >= *least)) continue;
-      if (StateByAreas(truth, truth.A_bag * (1 + bag), truth.A_o * (1 + opening), thresholds) !=
-          truth.state) {
-        least = share;
+  std::optional<double> least;
+  for (const Mouth& mouth : mouths) {
+    const double to_oth = change_to(mouth.A_o, thresholds.A_oth);
+    for (const double bag : {0.0, to_th - kHair, to_th + kHair, to_open - kHair, to_open + kHair}) {
+      for (const double opening : {0.0, to_oth - kHair, to_oth + kHair}) {
+        const double share = std::max({std::abs(bag), std::abs(opening), std::abs(mouth.share)});
+        if (share > kNearThreshold || (least && share >= *least)) continue;
+        if (StateByAreas(mouth.labels, truth.A_bag * (1 + bag), mouth.A_o * (1 + opening),
+                         thresholds) != truth.state) {
+          least = share;
+        }
       }
     }
   }
@@ -86,12 +112,13 @@ double Spread::deviation() const {
 }
 
 bool CorpusScore::Add(const LabelledFrame& truth, const BagThresholds& thresholds,
-                      const Observation& seen, const cv::Mat& surface) {
+                      std::optional<double> margin, const Observation& seen,
+                      const cv::Mat& surface) {
   ++frames_;
   worlds_.insert(truth.world.empty() ? truth.color.string() : truth.world);
   const auto t = static_cast<std::size_t>(truth.state);
   const bool right = seen.state == truth.state;
-  if (const std::optional<double> margin = ThresholdMargin(truth, thresholds)) {
+  if (margin) {
     Share& share = near_[std::min<std::size_t>(2, static_cast<std::size_t>(100 * *margin))];
     ++share.of;
     share.right += right;

@@ -16,10 +16,12 @@ namespace gusset {
 /// Areas this near (relative) to a threshold may fall on either side of it.
 inline constexpr double kNearThreshold = 0.03;
 
-/// The smallest share of its own by which A_bag or A_o would have to differ for another state, as
-/// the state table has it; std::nullopt where no change up to kNearThreshold of either or both
-/// does. Only s0, s1 and s2 depend on areas.
-std::optional<double> ThresholdMargin(const LabelledFrame& truth, const BagThresholds& thresholds);
+/// The smallest share of its own by which A_bag, A_o or what the labels show would have to differ
+/// for another state, as the state table has it; std::nullopt where no change up to kNearThreshold
+/// of any of them does. Only s0, s1 and s2 depend on areas.
+/// @param label_min_px2 of a label that shows less there is none: the state table's noise floor.
+std::optional<double> ThresholdMargin(const LabelledFrame& truth, const BagThresholds& thresholds,
+                                      double label_min_px2);
 
 /// Mean and spread of a quantity.
 class Spread {
@@ -37,10 +39,11 @@ class Spread {
 /// Compares what perception saw with the labels, frame by frame.
 class CorpusScore {
  public:
+  /// @param margin of the frame, by ThresholdMargin.
   /// @param surface see FrameTruth::surface; empty where the corpus has none.
   /// @returns true if the state is right.
-  bool Add(const LabelledFrame& truth, const BagThresholds& thresholds, const Observation& seen,
-           const cv::Mat& surface);
+  bool Add(const LabelledFrame& truth, const BagThresholds& thresholds,
+           std::optional<double> margin, const Observation& seen, const cv::Mat& surface);
 
   /// Keys: see docs/perception.md.
   nlohmann::ordered_json Report() const;

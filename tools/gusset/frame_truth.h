@@ -13,6 +13,7 @@ struct FrameTruth {
   Truth truth;
   int labels_seen = 0;                               ///< In the region of interest.
   std::vector<double> label_px2;                     ///< What each label shows there.
+  std::vector<cv::Point2d> label_centre_px;          ///< And its middle; of no label that is 0.
   int cube_px = 0;                                   ///< Pixels that show the cube.
   bool cube_hidden = false;                          ///< Fewer than perception needs.
   Eigen::Vector3d cube_m = Eigen::Vector3d::Zero();  ///< The cube's centre, world.

@@ -234,6 +234,8 @@ class RenderCommand final : public Command {
       std::snprintf(surface_name_.data(), surface_name_.size(), "surface_%05d.png", surfaces_++);
       WriteImage(std::filesystem::path(out_) / surface_name_.data(), surface_);
     }
+    nlohmann::ordered_json centres = nlohmann::ordered_json::array();
+    for (const cv::Point2d& px : truth.label_centre_px) centres.push_back({px.x, px.y});
     const nlohmann::ordered_json label = {
         {"file", std::string(stem) + ".png"},
         {"depth", std::string(stem) + "_depth.png"},
@@ -245,6 +247,7 @@ class RenderCommand final : public Command {
         {"A_o", truth.truth.opening_area_px2},
         {"labels", truth.labels_seen},
         {"label_px2", truth.label_px2},
+        {"label_centre_px", centres},
         {"cube_px", truth.cube_px},
         {"cube_m", {truth.cube_m.x(), truth.cube_m.y(), truth.cube_m.z()}},
         {"cube_hidden", truth.cube_hidden},

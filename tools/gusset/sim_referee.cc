@@ -41,15 +41,23 @@ CameraModel Finer(CameraModel camera) {
   return camera;
 }
 
-// Centroids in the frame of the labels that show at least min_px2 pixels in `part`, of which
-// `finer` is the finer view.
-std::vector<cv::Point2d> LabelsSeen(const TopView& finer, const cv::Rect& part, double min_px2) {
+// What the labels show in `part` of the frame, of which `finer` is the finer view.
+void MeasureLabels(const TopView& finer, const cv::Rect& part, FrameTruth& frame) {
   const cv::Point2d middle(kFiner / 2, kFiner / 2);
-  std::vector<cv::Point2d> seen;
   for (std::size_t k = 0; k < finer.label_px.size(); ++k) {
-    if (finer.label_px[k] < kFiner2 * min_px2) continue;
+    frame.label_px2.push_back(finer.label_px[k] / kFiner2);
     const cv::Point2d centre(finer.label_centre_px[k].x(), finer.label_centre_px[k].y());
-    seen.push_back((centre - middle) / kFiner + cv::Point2d(part.tl()));
+    frame.label_centre_px.push_back(finer.label_px[k] > 0
+                                        ? (centre - middle) / kFiner + cv::Point2d(part.tl())
+                                        : cv::Point2d());
+  }
+}
+
+// Centroids of the labels that show at least min_px2.
+std::vector<cv::Point2d> LabelsSeen(const FrameTruth& frame, double min_px2) {
+  std::vector<cv::Point2d> seen;
+  for (std::size_t k = 0; k < frame.label_px2.size(); ++k) {
+    if (frame.label_px2[k] >= min_px2) seen.push_back(frame.label_centre_px[k]);
   }
   return seen;
 }
@@ -95,9 +103,9 @@ FrameTruth SimReferee::Describe() {
   const TopView finer = LookAtBag(
       *drawn_, scene_.labels(), Finer(scene_.model()),
       {kFiner * around.x, kFiner * around.y, kFiner * around.width, kFiner * around.height}, &cube);
-  const std::vector<cv::Point2d> labels = LabelsSeen(finer, around, perception_.label_min_px2);
+  MeasureLabels(finer, around, frame);
+  const std::vector<cv::Point2d> labels = LabelsSeen(frame, perception_.label_min_px2);
   frame.labels_seen = static_cast<int>(labels.size());
-  for (const int px : finer.label_px) frame.label_px2.push_back(px / kFiner2);
   truth.bag_area_px2 = finer.bag_px / kFiner2;
   truth.opening_area_px2 = MeasureOpening(labels).area_px2;
 
