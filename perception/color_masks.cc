@@ -287,6 +287,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
         cv::Rect(0, roi.br().y, color.cols, color.rows - roi.br().y),
         cv::Rect(0, roi.y, roi.x, roi.height),
         cv::Rect(roi.br().x, roi.y, color.cols - roi.br().x, roi.height)}) {
+    if (beside.empty()) continue;
     ForStrips(beside, [&](const cv::Rect& strip) {
       // Most of it is canvas, too grey to be worth its conversion.
       if (MostChroma(color(strip)) < cube.least_chroma()) return;

@@ -55,6 +55,29 @@ void CheckMesh(const ConfigTree& tree, const BagConfig& bag) {
   }
 }
 
+// What would be read beyond the end of this bag's lists.
+void CheckFits(const ClothState& state, const ClothState& own) {
+  const std::size_t nodes = own.x.size();
+  if (state.x.size() != nodes) {
+    throw InputError("snapshot is of a bag with " + std::to_string(state.x.size()) +
+                     " nodes, this bag has " + std::to_string(nodes));
+  }
+  const auto is_node = [&](auto n) { return n >= 0 && static_cast<std::size_t>(n) < nodes; };
+  const auto is_held = [&](int k) {
+    return k >= 0 && static_cast<std::size_t>(k) < state.held.size();
+  };
+  const bool tethered = !state.tether_m.empty() || !state.tether_to.empty();
+  const bool fits =
+      state.v.size() == nodes && state.bend_set.size() == own.bend_set.size() &&
+      state.stretch_set.size() == own.stretch_set.size() &&
+      state.shear_set.size() == own.shear_set.size() &&
+      std::ranges::all_of(
+          state.held, [&](const HeldPoint& h) { return std::ranges::all_of(h.node, is_node); }) &&
+      (!tethered || (state.tether_m.size() == nodes && state.tether_to.size() == nodes)) &&
+      std::ranges::all_of(state.tether_to, is_held);
+  if (!fits) throw InputError("snapshot is of a bag with other rows of nodes");
+}
+
 // The cube waits where the camera sees it and no bag is looked for.
 void CheckCube(const ConfigTree& tree, const SimConfig& config) {
   const CameraConfig& camera = config.camera;
@@ -64,7 +87,10 @@ void CheckCube(const ConfigTree& tree, const SimConfig& config) {
   const double half_y_px = wait[1] > 0 ? camera.cy : kHeight_px - camera.cy;
   const double most_x = half_x_px / camera.fx * camera.height_m - config.world.cube_side_m;
   const double most_y = half_y_px / camera.fy * camera.height_m - config.world.cube_side_m;
-  const double margin = 0.5 * (config.world.cube_side_m + config.bag.opening_m);
+  // Starts know nothing of the cube.
+  const double margin =
+      0.5 * (config.world.cube_side_m + std::hypot(config.bag.opening_m, config.bag.depth_m)) +
+      std::max(config.starts.centre_m, config.starts.any_centre_m);
   for (std::size_t k = 0; k < 2; ++k) {
     const double most = k == 0 ? most_x : most_y;
     if (std::abs(wait[k]) > most) {
@@ -232,6 +258,14 @@ void SimScene::Reset(StartKind kind, std::uint64_t seed) {
   robot.q = arm_.waiting();
   robot.opening_m = arm_.max_opening_m();
   Rebuild(state, robot);
+  SeedNoise(seed);
+  look_ = NominalLook();
+  labels_ = MakeLabels(config_.bag);
+}
+
+void SimScene::SeedNoise(std::uint64_t sensor_seed) {
+  robot_->SeedSensors(DeriveSeed(sensor_seed, "torque"));
+  camera_noise_ = Rng(DeriveSeed(sensor_seed, "camera"));
 }
 
 void SimScene::Rebuild(const WorldState& state, const SimRobotState& robot) {
@@ -259,13 +293,13 @@ void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   WorldState state;
   SimRobotState robot;
   UnpackSnapshot(snapshot, state, robot);
-  if (state.cloth.x.size() != world_->cloth().state().x.size()) {
-    throw InputError("snapshot is of a bag with " + std::to_string(state.cloth.x.size()) +
-                     " nodes, this bag has " + std::to_string(world_->cloth().state().x.size()));
+  CheckFits(state.cloth, world_->cloth().state());
+  if (robot.q.size() != arm_.waiting().size()) {
+    throw InputError("snapshot is of a robot with " + std::to_string(robot.q.size()) +
+                     " joints, this one has " + std::to_string(arm_.waiting().size()));
   }
   Rebuild(state, robot);
-  robot_->SeedSensors(DeriveSeed(sensor_seed, "torque"));
-  camera_noise_ = Rng(DeriveSeed(sensor_seed, "camera"));
+  SeedNoise(sensor_seed);
   look_ = Vary(NominalLook(), config_.variation, sensor_seed);
   BagConfig bag = config_.bag;
   bag.labels_per_layer = look_.labels_per_layer;

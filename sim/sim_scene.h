@@ -90,6 +90,7 @@ class SimScene : public ScenePort, public CameraPort {
  private:
   class Slot;
   void Rebuild(const WorldState& state, const SimRobotState& robot);
+  void SeedNoise(std::uint64_t sensor_seed);
   SceneLook NominalLook() const;
 
   SimConfig config_;

@@ -83,7 +83,9 @@ void AddDisparityNoise(cv::Mat& depth_mm, const SensorConfig& config, Rng& rng) 
     }
     if (config.disparity_step_px > 0) {
       for (float& d : disparity) {
-        d = std::max(static_cast<float>(static_cast<int>(d * per_step + 0.5f)) * step, farthest);
+        // Steps that an int cannot count are too fine to matter.
+        const float steps = std::min(d * per_step + 0.5f, 2e9f);
+        d = std::max(static_cast<float>(static_cast<int>(steps)) * step, farthest);
       }
     }
     for (int u = 0; u < depth_mm.cols; ++u) {

@@ -4,6 +4,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "base/error.h"
 #include "sim/sim_scene.h"
 
 namespace gusset {
@@ -66,6 +67,35 @@ TEST(SimSceneLook, AVariedCameraSeesTheTableWithinItsBounds) {
     EXPECT_NEAR(depth.at<std::uint16_t>(40, 320), 1066, 3 + 0.36 * 17.5 + 1);
     EXPECT_NEAR(depth.at<std::uint16_t>(240, 20), 1067, 3 + 0.55 * 17.5 + 1);
   }
+}
+
+// 16 x 18 and 22 x 13 nodes a layer are both 526 in all, but lie in other rows.
+TEST(SimScene, RefusesSnapshotsOfAnotherMesh) {
+  SimConfig config;
+  SimScene scene(config);
+  scene.Reset(StartKind::kUnfolded, 2);
+  config.bag.nodes_across = 22;
+  config.bag.nodes_deep = 13;
+  SimScene other(config);
+  other.Reset(StartKind::kUnfolded, 2);
+  ASSERT_EQ(other.world().cloth().state().x.size(), scene.world().cloth().state().x.size());
+  EXPECT_THROW(scene.Restore(other.Save(), 5), InputError);
+  EXPECT_NO_THROW(scene.Restore(scene.Save(), 5));
+}
+
+TEST(SimScene, AResetIsTheSameWhateverRanBefore) {
+  SimConfig config;
+  config.variation.amount = 1;
+  SimScene fresh(config);
+  fresh.Reset(StartKind::kUnfolded, 2);
+  const RgbdFrame look = fresh.Look();
+  SimScene used(config);
+  used.Reset(StartKind::kUnfolded, 3);
+  used.Restore(used.Save(), 5);
+  used.Look();
+  used.Reset(StartKind::kUnfolded, 2);
+  EXPECT_TRUE(Same(used.Look(), look));
+  EXPECT_EQ(used.labels().size(), fresh.labels().size());
 }
 
 }  // namespace
