@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "tests/temporary_folder.h"
 
@@ -26,6 +27,21 @@ TEST(Settings, ARunsBagLeavesNothingBehindForAnotherBag) {
   EXPECT_EQ(other.bagging.scratch_drag.drag_m, ScratchDragConfig().drag_m);
   EXPECT_EQ(other.bagging.pick_place.slit_m, PickPlaceConfig().slit_m);
   EXPECT_EQ(other.bagging.pick_place.widen_m, 0.04) << "the run's own choice";
+}
+
+// It would train with one bag's cloth under another's name.
+TEST(Settings, AConfigsBagIsTakenWithItsName) {
+  const Settings run = LoadSettings({}, {.bag = "bag2"});
+  const TemporaryFolder folder;
+  CommonOptions common;
+  common.config_files = {(folder.path() / "config.toml").string()};
+  WriteFileAtomic(common.config_files.front(), run.resolved);
+  EXPECT_EQ(LoadSettings(common, {}).resolved, run.resolved);
+  EXPECT_EQ(LoadSettings(common, {.bag = "bag2"}).resolved, run.resolved);
+  EXPECT_THROW(LoadSettings(common, {.bag = "bag1"}), InputError);
+  common.config_files.clear();
+  common.assignments = {"train.bag=bag2"};
+  EXPECT_EQ(LoadSettings(common, {}).resolved, run.resolved);
 }
 
 }  // namespace

@@ -149,6 +149,16 @@ void RefuseUnknownKeys(ConfigTree& tree) {
 Settings LoadSettings(const CommonOptions& common, const SettingsSource& source) {
   Settings settings;
   std::optional<std::string> bag = source.bag;
+  // A run's config.toml given to --config says which bag its [bag] is.
+  ConfigTree given;
+  common.ReadInto(given);
+  if (source.base.empty() && given.Has("train.bag")) {
+    given.Read("train", settings.train);
+    if (bag && *bag != settings.train.bag) {
+      given.RefuseIfGiven("train.bag", "is not the bag " + *bag + " of --bag or --policy");
+    }
+    bag = settings.train.bag;
+  }
   if (!source.base.empty()) {
     settings.tree.Load(source.base);
     settings.tree.Read("train", settings.train);
