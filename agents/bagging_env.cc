@@ -205,7 +205,7 @@ bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
   }
 }
 
-PrimitiveReport BaggingEnv::Perform(int point, int parameter) {
+std::string BaggingEnv::Perform(int point, int parameter) {
   const Eigen::Vector3d p_W = ChosenPoint(before_, point).p_W;
   const Eigen::Vector3d along_W = before_.rim ? before_.rim->along_W : Eigen::Vector3d::UnitX();
   const MotionConfig& motion = config_.motion;
@@ -278,7 +278,7 @@ Outcome BaggingEnv::Act(int action) {
 
   truth_before_ = referee_.Judge();
   robot_.Forget();
-  const PrimitiveReport report = Perform(choice.point, choice.parameter);
+  const std::string note = Perform(choice.point, choice.parameter);
   frame_after_ = camera_.Look();
   after_ = Perceive(frame_after_, camera_.model(), config_.perception, thresholds_);
 
@@ -305,7 +305,7 @@ Outcome BaggingEnv::Act(int action) {
                  {"A_bag", after_.A_bag},
                  {"A_o", after_.A_o},
                  {"cube_hidden", after_.cube_hidden},
-                 {"note", report.note}};
+                 {"note", note}};
   return outcome;
 }
 

@@ -81,7 +81,7 @@ class BaggingEnv final : public Environment {
 
  private:
   Percept PerceptOf(const Observation& observation) const;
-  PrimitiveReport Perform(int point, int parameter);
+  std::string Perform(int point, int parameter);
   /// In the middle of an action: leaves the view, lets things settle, looks. False while pulls may
   /// help: in s0, in s1 with less than GraspLiftConfig::flat_share of the bag in sight, in s2 with
   /// a mouth in which the cube would not be placed.

@@ -331,9 +331,10 @@ class Trainer {
     return true;
   }
 
-  // Leaves what is needed to see the failure again, and passes it on.
+  // Leaves what is needed to see a failed action again, and passes the failure on.
   [[noreturn]] void Fail(const Trial& trial) const {
     const std::filesystem::path file = folder_.root() / "failed_step.json";
+    if (!trial.looked) std::rethrow_exception(trial.error);  // none was tried
     try {
       std::rethrow_exception(trial.error);
     } catch (const RunError& e) {
@@ -551,8 +552,9 @@ class Trainer {
   }
 
   void Checkpoint() {
-    // The log must be on the disk before a checkpoint that counts on it.
+    // Logs must be on the disk before a checkpoint that counts on them.
     steps_->Sync();
+    csv_->Sync();
     progress_.steps_bytes = steps_->bytes();
     progress_.progress_bytes = csv_->bytes();
     folder_.WriteCheckpoint({{"progress", progress_.Save()}, {"agent", agent_.Save()}});

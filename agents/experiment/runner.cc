@@ -122,6 +122,7 @@ class Runner {
            (unit.cell->name + "-seed" + std::to_string(unit.seed)) /
            (std::string(TrialName(unit.kind)) + ".json");
   }
+  fs::path JournalOf(const Unit& unit) const { return FileOf(unit).replace_extension("journal"); }
   TrialPlan TrialOf(const Unit& unit) const {
     return {*unit.cell, unit.kind, unit.seed,
             unit.kind == TrialKind::kAttempts ? options_.attempts : options_.episodes};
@@ -197,14 +198,26 @@ class Runner {
     }
   }
 
+  // What was tried with an earlier training of that name and seed says nothing of this one.
+  void DropTrials(const Unit& training) const {
+    for (const Unit& unit : units_) {
+      if (unit.cell == nullptr || &units_[static_cast<std::size_t>(unit.after)] != &training)
+        continue;
+      std::error_code ignored;  // there may be none
+      fs::remove(FileOf(unit), ignored);
+      fs::remove(JournalOf(unit), ignored);
+    }
+  }
+
   void Train(Unit& unit, TrainingResult& result) {
+    if (!IsFolder(FolderOf(unit))) DropTrials(unit);
     rig_.Train(*unit.training, unit.seed, FolderOf(unit), unit.count, [this] { return Stop(); });
     result = ReadTrainingResult(FolderOf(unit));
   }
 
   void Try(Unit& unit, TrialRecord& record) {
     ExperimentRig::Subject subject = rig_.Open(*unit.training, *unit.cell, FolderOf(unit));
-    const fs::path journal = fs::path(FileOf(unit)).replace_extension("journal");
+    const fs::path journal = JournalOf(unit);
     Workers workers(1, [&] {
       return std::make_unique<JournalEnvironment>(
           std::make_unique<CountingEnvironment>(subject.environments(), unit.count), journal,

@@ -45,8 +45,9 @@ TrainingResult ReadTrainingResult(const std::filesystem::path& run) {
     }
   }
   for (const std::vector<double>& of_state : result.rewards) {
-    if (!of_state.empty()) continue;
-    throw InputError((run / "steps.jsonl").string() + ": lacks learnt steps of some state");
+    if (!of_state.empty() && of_state.size() == result.rewards.front().size()) continue;
+    throw InputError((run / "steps.jsonl").string() +
+                     ": lacks learnt steps of some state: each must have as many");
   }
   const nlohmann::json about = ReadJson(run / "run.json");
   if (about.is_object()) result.versions = about.value("versions", nlohmann::json::object());

@@ -145,23 +145,25 @@ void ToolMotion::LetGoAndRise() {
                 config_.descend_speed_m_s);
 }
 
-PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
-                                const std::function<void(ToolMotion&)>& action) {
+std::string PerformAndLeave(RobotPort& robot, const MotionConfig& config,
+                            const std::function<void(ToolMotion&)>& action) {
   ToolMotion tool(robot, config);
-  PrimitiveReport report;
+  std::string notes;
+  const auto add = [&](const std::string& note) {
+    if (!note.empty()) notes += (notes.empty() ? "" : "; ") + note;
+  };
   try {
     action(tool);
-    report.note = tool.note();
+    add(tool.note());
   } catch (const ToolMotion::Aborted& aborted) {
-    report = {false, aborted.what()};
+    // A mouth that was to be widened instead of filled was not filled, either.
+    add(tool.note());
+    add(aborted.what());
     tool.LetGoAndRise();
   }
-  if (const std::optional<MoveEnd> again = tool.Leave()) {
-    report.completed = false;
-    report.note += (report.note.empty() ? "" : "; ") + SecondTry(*again);
-  }
+  if (const std::optional<MoveEnd> again = tool.Leave()) add(SecondTry(*again));
   robot.Wait(config.settle_s);
-  return report;
+  return notes;
 }
 
 }  // namespace gusset

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <functional>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -38,12 +37,6 @@ struct MotionConfig {
     v("base_x_m", base_x_m, Range{-2, 2});
     v("base_y_m", base_y_m, Range{-2, 2});
   }
-};
-
-/// How far a primitive came.
-struct PrimitiveReport {
-  bool completed = true;
-  std::string note;  ///< Why not, or what was done instead; empty if all went as meant.
 };
 
 /// Rotation of a tool that points straight down, its fingers closing along the world's x axis
@@ -144,7 +137,7 @@ class ToolMotion {
 
 /// Runs `action`, then leaves the camera's view and lets things settle. If the action is aborted
 /// the gripper lets go and rises first. Never throws ToolMotion::Aborted.
-PrimitiveReport PerformAndLeave(RobotPort& robot, const MotionConfig& config,
-                                const std::function<void(ToolMotion&)>& action);
+std::string PerformAndLeave(RobotPort& robot, const MotionConfig& config,
+                            const std::function<void(ToolMotion&)>& action);
 
 }  // namespace gusset

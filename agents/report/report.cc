@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "agents/experiment/intervals.h"
 #include "agents/plots.h"
 #include "agents/report/curves.h"
 #include "agents/report/footage.h"
@@ -124,7 +125,7 @@ ordered_json GroupJson(const RunGroup& group, const Published& published) {
     for (const RunData* run : group.runs) {
       const std::vector<double>& rewards = run->rewards[static_cast<std::size_t>(s)];
       if (!rewards.empty()) {
-        means.push_back({RunningMean(rewards, static_cast<int>(rewards.size())).back()});
+        means.push_back({Mean(rewards)});
       }
     }
     json["rewards"].push_back(BandJson(BandOver(means)));

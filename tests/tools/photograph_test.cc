@@ -71,6 +71,14 @@ TEST(Photograph, ACameraTellsTheScaleAndWhereThingsAre) {
   EXPECT_LT((seen.place_points[4].p_W - home.place_points[4].p_W).norm(), 0.003);
 }
 
+TEST(Photograph, ACameraOfAnotherShapeIsRefused) {
+  const RgbdFrame frame = OpenBag();
+  const CameraModel wide = OverheadCamera({615, 615, 319.5, 179.5, 640, 360}, 1.066);
+  EXPECT_THROW(See(frame, {.camera = wide}), InputError);
+  const CameraModel half = OverheadCamera({307.5, 307.5, 160, 120, 320, 240}, 1.066);
+  EXPECT_NO_THROW(See(frame, {.camera = half}));
+}
+
 TEST(Photograph, ACropIsSeenAlone) {
   const RgbdFrame frame = OpenBag();
   const Observation home = See(frame, {});

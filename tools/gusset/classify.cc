@@ -4,6 +4,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -275,9 +276,20 @@ class ClassifyCommand final : public Command {
     return Exists(file) ? ReadCamera(file) : OverheadCamera({}, kCameraHeight_m);
   }
 
+  // Without the pictures of an earlier score, which is replaced.
+  static void MakeFailuresFolder(const std::filesystem::path& folder) {
+    static const std::regex kPicture("[0-9]{5,}_s[0-5]_seen_as_s[0-5]\\.png");
+    MakeFolder(folder);
+    std::vector<std::filesystem::path> old;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (std::regex_match(entry.path().filename().string(), kPicture)) old.push_back(entry.path());
+    }
+    for (const std::filesystem::path& picture : old) std::filesystem::remove(picture);
+  }
+
   void ClassifyCorpora() const {
     const std::filesystem::path out = out_;
-    if (!out_.empty()) MakeFolder(out / "failures");
+    if (!out_.empty()) MakeFailuresFolder(out / "failures");
     CorpusScore score;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const std::string& corpus : corpora_) {

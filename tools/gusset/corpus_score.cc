@@ -58,6 +58,11 @@ std::string Line(const char* format, auto... values) {
   return text;
 }
 
+// "99.54 %", or "-" for a share of nothing.
+std::string Percent(const nlohmann::ordered_json& share) {
+  return share.is_null() ? "-" : Line("%.2f %%", 100 * share.get<double>());
+}
+
 nlohmann::ordered_json Json(const Spread& spread) {
   return {{"count", spread.count()}, {"bias", spread.mean()}, {"spread", spread.deviation()}};
 }
@@ -226,13 +231,13 @@ std::string CorpusScore::Text() const {
   const auto clear = report["clear_frames"].get<long>();
   std::string text = Line("%ld frames of %zu bags; %ld within 3 %% of a threshold are apart\n",
                           frames_, worlds_.size(), frames_ - clear);
-  text += Line("accuracy %.2f %% (%ld of %ld)\n\n", 100 * report["accuracy"].get<double>(),
+  text += Line("accuracy %s (%ld of %ld)\n\n", Percent(report["accuracy"]).c_str(),
                report["right"].get<long>(), clear);
   text += "true \\ seen      s0      s1      s2      s3      s4      s5   right\n";
   for (int t = 0; t < kStates; ++t) {
     text += Line("s%d         ", t);
     for (int s = 0; s < kStates; ++s) text += Line("%8ld", confusion_[t][s]);
-    text += Line("  %6.2f %%\n", 100 * report["states"][t]["accuracy"].get<double>());
+    text += Line("  %8s\n", Percent(report["states"][t]["accuracy"]).c_str());
   }
   text += "\nmargin to the threshold   frames   right\n";
   for (std::size_t k = 0; k < near_.size(); ++k) {
@@ -249,11 +254,12 @@ std::string CorpusScore::Text() const {
   text += Line("\ncube, mm (%ld frames): x %+.2f +- %.2f, y %+.2f +- %.2f, z %+.2f +- %.2f\n",
                cube_mm_[0].count(), cube_mm_[0].mean(), cube_mm_[0].deviation(), cube_mm_[1].mean(),
                cube_mm_[1].deviation(), cube_mm_[2].mean(), cube_mm_[2].deviation());
-  text += Line("mouth seen or not as it is: %.2f %% of %ld\n\n", 100 * mouth_.value(), mouth_.of);
+  text +=
+      Line("mouth seen or not as it is: %s of %ld\n\n", Percent(mouth_.value()).c_str(), mouth_.of);
   for (int k = 0; k < kPointKinds; ++k) {
     if (points_[k].of == 0) continue;
-    text +=
-        Line("%-42s %7.2f %% of %ld\n", kPointNames[k], 100 * points_[k].value(), points_[k].of);
+    text += Line("%-42s %9s of %ld\n", kPointNames[k], Percent(points_[k].value()).c_str(),
+                 points_[k].of);
   }
   return text;
 }

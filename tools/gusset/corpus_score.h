@@ -65,8 +65,10 @@ class CorpusScore {
   };
   struct Share {
     long right = 0, of = 0;
-    double value() const {
-      return of > 0 ? static_cast<double>(right) / static_cast<double>(of) : 1;
+    /// Null if of none.
+    nlohmann::ordered_json value() const {
+      if (of == 0) return nullptr;
+      return static_cast<double>(right) / static_cast<double>(of);
     }
   };
   void AddPoints(const Observation& seen, const cv::Mat& surface);

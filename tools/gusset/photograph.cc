@@ -50,10 +50,16 @@ double PxPerMetre(const CameraModel& camera) {
   return px_per_m;
 }
 
+// The camera of an image that has been scaled to this size. @throws InputError if it was cut, too.
 CameraModel FittedTo(const CameraModel& camera, cv::Size size) {
   CameraModel fitted = camera;
   Pinhole& k = fitted.pinhole;
   const double s = static_cast<double>(size.width) / k.width;
+  if (std::abs(k.height * s - size.height) > 1) {
+    throw InputError("is " + std::to_string(size.width) + "x" + std::to_string(size.height) +
+                     " pixels, which is no scaled " + std::to_string(k.width) + "x" +
+                     std::to_string(k.height) + " as --camera has it");
+  }
   const cv::Point2d centre = Scaled({k.cx, k.cy}, s);
   k = {k.fx * s, k.fy * s, centre.x, centre.y, size.width, size.height};
   return fitted;

@@ -2,7 +2,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "agents/affordances.h"
 #include "agents/image_file.h"
@@ -17,16 +20,32 @@
 namespace gusset {
 namespace {
 
-// @returns the first line of `now` that is not in `then`, for a run that was begun otherwise.
-std::string FirstDifference(const std::string& then, const std::string& now) {
-  std::istringstream old_lines(then);
-  std::istringstream new_lines(now);
-  std::string old_line;
-  std::string new_line;
-  while (std::getline(new_lines, new_line)) {
-    if (!std::getline(old_lines, old_line) || old_line != new_line) return new_line;
+// Values by "section.key" of settings as they are written, one line each, in their order.
+std::vector<std::pair<std::string, std::string>> Values(const std::string& settings) {
+  std::vector<std::pair<std::string, std::string>> values;
+  std::istringstream lines(settings);
+  std::string section;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('[')) section = line.substr(1, line.find(']') - 1) + ".";
+    const auto equals = line.find(" = ");
+    if (equals != std::string::npos) {
+      values.emplace_back(section + line.substr(0, equals), line.substr(equals + 3));
+    }
   }
-  return "";
+  return values;
+}
+
+// @returns in which way a run was begun with other settings; empty if in none.
+std::string FirstDifference(const std::string& then, const std::string& now) {
+  if (then == now) return "";
+  const auto old_values = Values(then);
+  for (const auto& [key, value] : Values(now)) {
+    const auto old =
+        std::ranges::find(old_values, key, &std::pair<std::string, std::string>::first);
+    if (old == old_values.end()) return "without " + key + ", which is " + value + " now";
+    if (old->second != value) return "with " + key + " = " + old->second + ", not " + value;
+  }
+  return "with settings that are not known any more";
 }
 
 constexpr const char* kLastPicture = "curve.png";
@@ -70,8 +89,7 @@ RunFolder OpenRun(const std::filesystem::path& out, const Settings& settings) {
   RunFolder folder = RunFolder::Open(out);
   const std::string difference = FirstDifference(ReadFile(folder.config()), settings.resolved);
   if (!difference.empty()) {
-    throw InputError(folder.config().string() + ": the run was begun with another value than " +
-                     difference);
+    throw InputError(folder.config().string() + ": the run was begun " + difference);
   }
   return folder;
 }
