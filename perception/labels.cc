@@ -6,6 +6,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
+#include <utility>
 
 #include "perception/require.h"
 #include "perception/shapes.h"
@@ -306,6 +307,11 @@ std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most
       in_parts = true;
     }
     if (in_parts) {
+      // What lies between two parts is the soft edge of both.
+      const auto at = [](const Pixel& pixel) { return std::pair(pixel.at.y, pixel.at.x); };
+      std::ranges::sort(pixels, {}, at);
+      const auto twice = std::ranges::unique(pixels, {}, at);
+      pixels.erase(twice.begin(), twice.end());
       const Moments whole = MomentsOf(pixels);
       if (whole.area >= LeastArea(config)) labels.push_back({whole.centroid, whole.area});
     } else {

@@ -41,6 +41,12 @@ TEST(FindLabels, AGlintDoesNotMakeTwoOfOne) {
   masks.label(cv::Rect(60, 60, 9, 8)) = 255;
   masks.label(cv::Rect(64, 60, 2, 8)) = 0;
   EXPECT_EQ(FindLabels(masks.label, masks.bag, 10, kConfig).size(), 1u);
+  // A column that is not quite of either part lies beside both, and counts once.
+  masks.label(cv::Rect(64, 60, 2, 8)) = 255;
+  masks.label(cv::Rect(64, 60, 1, 8)) = 60;
+  const std::vector<Label> labels = FindLabels(masks.label, masks.bag, 10, kConfig);
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_NEAR(labels[0].area_px2, 64 + 8 * 60 / 255., 0.01);
 }
 
 // Three columns and eight rows that a label covers by half are twelve pixels of label; by 0.4, 9.6
