@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <numbers>
 
 #include "base/error.h"
 
@@ -87,10 +88,10 @@ void CheckCube(const ConfigTree& tree, const SimConfig& config) {
   const double half_y_px = wait[1] > 0 ? camera.cy : kHeight_px - camera.cy;
   const double most_x = half_x_px / camera.fx * camera.height_m - config.world.cube_side_m;
   const double most_y = half_y_px / camera.fy * camera.height_m - config.world.cube_side_m;
-  // Starts know nothing of the cube.
-  const double margin =
-      0.5 * (config.world.cube_side_m + std::hypot(config.bag.opening_m, config.bag.depth_m)) +
-      std::max(config.starts.centre_m, config.starts.any_centre_m);
+  // Starts know nothing of the cube: corners of both, turned towards each other, must not meet.
+  const double margin = 0.5 * (std::numbers::sqrt2 * config.world.cube_side_m +
+                               std::hypot(config.bag.opening_m, config.bag.depth_m)) +
+                        std::max(config.starts.centre_m, config.starts.any_centre_m);
   for (std::size_t k = 0; k < 2; ++k) {
     const double most = k == 0 ? most_x : most_y;
     if (std::abs(wait[k]) > most) {
@@ -98,8 +99,9 @@ void CheckCube(const ConfigTree& tree, const SimConfig& config) {
                   "is out of the camera's view, which ends " + Text(most) + " m from its middle");
     }
   }
-  if (std::max(std::abs(wait[0]), std::abs(wait[1])) < margin) {
-    tree.Refuse("world.cube_wait_m", std::max(std::abs(wait[0]), std::abs(wait[1])),
+  const double distance = std::hypot(wait[0], wait[1]);
+  if (distance < margin) {
+    tree.Refuse("world.cube_wait_m", distance,
                 "is where the bag lies, less than " + Text(margin) + " m from the table's middle");
   }
 }

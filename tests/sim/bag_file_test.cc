@@ -117,8 +117,12 @@ TEST(BagFile, MeshesFinerThanThePlyOrOfSliversAreRefused) {
 
 TEST(BagFile, ACubeThatWaitsWhereTheBagLiesOrUnseenIsRefused) {
   EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [0, 0.1]\n"),
-            "my.toml:4: world.cube_wait_m = 0.1 is where the bag lies, less than 0.1675 m from the "
-            "table's middle");
+            "my.toml:4: world.cube_wait_m = 0.1 is where the bag lies, less than 0.315237 m from "
+            "the table's middle");
+  EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [0, 0.31]\n"),
+            "my.toml:4: world.cube_wait_m = 0.31 is where the bag lies, less than 0.315237 m from "
+            "the table's middle");
+  EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [0.23, 0.23]\n"), "no error");
   EXPECT_EQ(ErrorOf("", "[world]\ncube_wait_m = [0, -0.44]\n"),
             "my.toml:4: world.cube_wait_m = -0.44 is out of the camera's view, which ends 0.381 m "
             "from its middle");
