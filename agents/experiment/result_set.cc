@@ -248,9 +248,10 @@ class Rows {
     line.published = published_.Find(row.table, row.row, column.name);
     line.unit = column.unit;
     line.command = command;
+    // Seeds may have been trained by other builds.
+    std::set<std::string> versions;
     for (const Sample& sample : samples) {
-      // Seeds may have been trained by other builds.
-      if (line.versions.find(sample.versions) != std::string::npos) continue;
+      if (!versions.insert(sample.versions).second) continue;
       line.versions += (line.versions.empty() ? "" : " | ") + sample.versions;
     }
     rows_.push_back(std::move(line));

@@ -150,16 +150,15 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   Settings settings;
   std::optional<std::string> bag = source.bag;
   // A run's config.toml given to --config says which bag its [bag] is.
-  ConfigTree given;
-  common.ReadInto(given);
-  if (source.base.empty() && given.Has("train.bag")) {
+  if (source.base.empty()) {
+    ConfigTree given;
+    common.ReadInto(given);
     given.Read("train", settings.train);
     if (bag && *bag != settings.train.bag) {
       given.RefuseIfGiven("train.bag", "is not the bag " + *bag + " of --bag or --policy");
     }
-    bag = settings.train.bag;
-  }
-  if (!source.base.empty()) {
+    if (!bag) bag = settings.train.bag;
+  } else {
     settings.tree.Load(source.base);
     settings.tree.Read("train", settings.train);
     // A run's config holds its bag already, as --set may have changed it.
@@ -168,8 +167,6 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
     } else if (bag) {
       ForgetBag(settings.train.bag, settings.tree);
     }
-  } else if (!bag) {
-    bag = settings.train.bag;
   }
   if (bag) settings.tree.Load(BagFile(*bag));
   common.ReadInto(settings.tree);
