@@ -45,9 +45,7 @@ TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<BagLabel>& labe
                   const CameraModel& camera, const std::array<int, 4>& roi,
                   const TriMesh* cube_W = nullptr);
 
-/// The same of the mesh that the simulation steps: flat triangles without thickness. Folds are less
-/// round than in pictures, and slivers of cloth beside them larger or smaller: for what must not
-/// depend on how cloth is drawn.
+/// The same without the cloth's thickness: for what must not depend on how cloth is drawn.
 TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi,
                   const TriMesh* cube_W = nullptr);

@@ -335,7 +335,7 @@ std::vector<PlacedItem> Renderer::Impl::Place(const SceneView& scene) {
 void Renderer::Impl::UpdateCloth(const ClothItem& item) {
   gl.BindVertexArray(cloth.vertex_array);
   if (!cloth.surface || !cloth.surface->Fits(item)) {
-    cloth.surface.emplace(item, kDrawnLevels);
+    cloth.surface.emplace(item);
     const ClothSurface& surface = *cloth.surface;
     gl.BindBuffer(GL_ARRAY_BUFFER, cloth.uv_layer);
     gl.BufferData(GL_ARRAY_BUFFER, surface.uv_layer().size() * sizeof(Eigen::Vector3f),

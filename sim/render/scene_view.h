@@ -37,7 +37,6 @@ struct ClothItem {
   /// Cloth coordinates of each node, metres: u across the opening, v from the rim (0) down.
   std::vector<Eigen::Vector2f> uv;
   float thickness_m = 0.001f;
-  float floor_z_m = 0;  ///< The surface between nodes is not drawn below this (the table's top).
   Eigen::Vector3f rgb = {0.89f, 0.87f, 0.82f};        ///< Cream cotton.
   Eigen::Vector3f label_rgb = {0.58f, 0.78f, 0.35f};  ///< Yellow-green; OpenCV hue 44.
   std::vector<LabelPatch> labels;

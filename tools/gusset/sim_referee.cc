@@ -87,7 +87,7 @@ FrameTruth SimReferee::Describe() {
   TriMesh cube = BoxMesh(Eigen::Vector3d::Constant(scene_.config().world.cube_side_m));
   for (Eigen::Vector3f& p : cube.vertices) p = (X_WCube * p.cast<double>()).cast<float>();
   const ClothItem cloth = scene_.DrawnCloth();
-  if (!drawn_ || !drawn_->Fits(cloth)) drawn_.emplace(cloth, kDrawnLevels);
+  if (!drawn_ || !drawn_->Fits(cloth)) drawn_.emplace(cloth);
   drawn_->Update(cloth);
   const TopView view = LookAtBag(*drawn_, scene_.labels(), scene_.model(),
                                  {0, 0, pinhole.width, pinhole.height}, &cube);

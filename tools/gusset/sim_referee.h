@@ -27,7 +27,7 @@ class SimReferee : public Referee {
   SimScene& scene_;
   PerceptionConfig perception_;
   BagThresholds thresholds_;
-  std::optional<ClothSurface> drawn_;  // kept for its stencils
+  std::optional<ClothSurface> drawn_;  // kept for its topology
 };
 
 }  // namespace gusset
