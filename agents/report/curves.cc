@@ -102,7 +102,9 @@ std::vector<EvaluationData> PooledEvaluations(const RunGroup& group) {
   std::vector<EvaluationData> pooled;
   for (const RunData* run : group.runs) {
     for (const EvaluationData& one : run->evaluations) {
-      const auto kind = [](const EvaluationData& e) { return std::tie(e.bag, e.start, e.pose); };
+      const auto kind = [](const EvaluationData& e) {
+        return std::tie(e.bag, e.start, e.pose, e.random, e.repeats);
+      };
       const auto same = std::ranges::find_if(
           pooled, [&](const EvaluationData& other) { return kind(other) == kind(one); });
       if (same == pooled.end()) {

@@ -46,7 +46,9 @@ ordered_json EstimateJson(const std::optional<Value>& estimate) {
 
 // The row of the thesis's tables that a training is a repetition of; empty if of none.
 std::string ThesisRow(const TrainConfig& train) {
-  if (train.bag != "bag1" || !train.affordances) return "";
+  if (train.bag != "bag1" || !train.affordances || train.protocol != TrainConfig().protocol) {
+    return "";
+  }
   if (train.agent == "pi") return "pi" + std::to_string(train.steps);
   return train.steps == 100 ? train.agent : "";
 }
@@ -56,7 +58,8 @@ ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train
   // Table 5.7 has the policy of Bag 1 on other bags.
   const std::string row = ThesisRow(train);
   const bool own_bag = data.bag == train.bag;
-  const bool known = data.pose == "near" && (own_bag || row == "pi100");
+  const bool known = data.pose == "near" && (own_bag || row == "pi100") && !data.random &&
+                     data.repeats == EvaluationConfig().max_repeats;
   const std::string table = !known ? "" : own_bag ? "5.6" : "5.7";
   const std::string of = own_bag ? row : data.bag;
   ordered_json steps = ordered_json::array();
@@ -66,6 +69,8 @@ ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train
   return {{"bag", data.bag},
           {"start", data.start},
           {"pose", data.pose},
+          {"random", data.random},
+          {"repeats", data.repeats},
           {"success", Rate(data.true_successes, data.episodes)},
           {"perceived_successes", data.perceived_successes},
           {"per_step", steps},

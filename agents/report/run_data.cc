@@ -57,6 +57,8 @@ EvaluationData ReadEvaluation(const std::filesystem::path& file) {
     data.bag = JsonField<std::string>(json, "bag");
     data.start = Choice(json, "start", {"folded", "unfolded"});
     data.pose = Choice(json, "pose", {"near", "any"});
+    data.random = JsonField<std::string>(json, "policy") == "random";
+    data.repeats = JsonField<int>(json, "repeats", 1, kMostEpisodes);
     data.episodes = JsonField<int>(json, "episodes", 1, kMostEpisodes);
     data.true_successes = JsonField<int>(json, "true_successes", 0, data.episodes);
     data.perceived_successes = JsonField<int>(json, "perceived_successes", 0, data.episodes);

@@ -16,6 +16,8 @@ namespace gusset {
 struct EvaluationData {
   std::string file;  ///< Its name.
   std::string bag, start, pose;
+  bool random = false;  ///< Of random choice instead of what the run learnt.
+  int repeats = 0;      ///< Actions in one state before an episode was given up.
   int episodes = 0;
   int true_successes = 0;
   int perceived_successes = 0;

@@ -152,17 +152,20 @@ function drawTraining(groups) {
 
 function drawEvaluations(groups) {
   const rows = groups.flatMap(g => g.evaluations.map(e => [
-    g.label, `${e.bag}, ${e.start}, ${e.pose}`, rate(e.success, e.published_success),
+    g.label,
+    `${e.bag}, ${e.start}, ${e.pose}, at most ${e.repeats} actions in a state` +
+        (e.random ? '; random choice' : ''),
+    rate(e.success, e.published_success),
     String(e.perceived_successes),
     ...e.per_step.map(r => rate(r)),
   ]));
   if (rows.length === 0) return;
   section('Evaluations',
-      'Greedy policy, all seeds together. Success of the whole task by ground truth; of a step: ' +
+      'Greedy policy (or random choice, where it says so), all seeds together. Success of the whole task by ground truth; of a step: ' +
       'actions that led to a later state, as the camera saw it. 95 % Wilson intervals; the ' +
       'thesis\'s (Tables 5.6 and 5.7; of the whole task only, for it tried steps one by one) are ' +
       'out of 10.');
-  page.append(table(['group', 'bag, start, pose', 'whole task', 'as the camera saw it',
+  page.append(table(['group', 'evaluated on', 'whole task', 'as the camera saw it',
     ...STATES.slice(0, 4)], rows));
 }
 

@@ -46,7 +46,7 @@ TEST(GroupRuns, PutsSeedsTogetherAndSaysWhatTellsOtherRunsApart) {
 }
 
 // Pooling the seeds and counting by hand are the same.
-TEST(PooledEvaluations, AddUpOverSeedsButNotOverStarts) {
+TEST(PooledEvaluations, AddUpOverSeedsButNotOverWhatWasMeasured) {
   std::vector<RunData> runs = {Trained(1, {}), Trained(2, {})};
   for (RunData& run : runs) {
     for (const char* start : {"folded", "unfolded"}) {
@@ -57,10 +57,15 @@ TEST(PooledEvaluations, AddUpOverSeedsButNotOverStarts) {
       one.per_step[2] = {7, 3 * run.train.seed};
       run.evaluations.push_back(one);
     }
+    EvaluationData other = run.evaluations[0];
+    other.repeats = 1;
+    run.evaluations.push_back(other);
+    other.random = true;
+    run.evaluations.push_back(other);
   }
   const std::vector<RunGroup> groups = GroupRuns(runs);
   const std::vector<EvaluationData> pooled = PooledEvaluations(groups.at(0));
-  ASSERT_EQ(pooled.size(), 2u);
+  ASSERT_EQ(pooled.size(), 4u);
   for (const EvaluationData& one : pooled) {
     EXPECT_EQ(one.episodes, 20);
     EXPECT_EQ(one.true_successes, 3);

@@ -110,7 +110,9 @@ TEST_F(Report, TheThesissFiguresStandBesideItsLearners) {
       Published::Load(fs::path(GUSSET_SOURCE_DIR) / "assets" / "published" / "thesis.toml");
   const fs::path run = Trained("pi10", {.steps = 10});
   const ordered_json tally = {{"attempts", 4}, {"successes", 3}};
-  ordered_json evaluation = {{"bag", "bag1"},
+  ordered_json evaluation = {{"policy", "out/pi10"},
+                             {"repeats", 5},
+                             {"bag", "bag1"},
                              {"start", "folded"},
                              {"pose", "near"},
                              {"episodes", 4},
@@ -120,13 +122,20 @@ TEST_F(Report, TheThesissFiguresStandBesideItsLearners) {
   WriteFileAtomic(run / "evaluation_folded.json", evaluation.dump());
   evaluation["pose"] = "any";
   WriteFileAtomic(run / "evaluation_pose.json", evaluation.dump());
+  evaluation["pose"] = "near";
+  evaluation["repeats"] = 1;
+  WriteFileAtomic(run / "evaluation_once.json", evaluation.dump());
+  evaluation["repeats"] = 5;
+  evaluation["policy"] = "random";
+  WriteFileAtomic(run / "evaluation_random.json", evaluation.dump());
+  evaluation["policy"] = "out/pi10";
   const ordered_json group = CollectReport({run}, thesis)["groups"][0];
   EXPECT_EQ(group["published_rewards"][1]["value"], 0.014) << "Table 5.5, Ours(10)";
-  ASSERT_EQ(group["evaluations"].size(), 2u);
+  ASSERT_EQ(group["evaluations"].size(), 4u);
   for (const ordered_json& one : group["evaluations"]) {
-    const bool near = one["pose"] == "near";
-    EXPECT_EQ(one["published_success"].is_null(), !near) << "the thesis has none of this pose";
-    if (!near) continue;
+    const bool known = one["pose"] == "near" && one["repeats"] == 5 && one["random"] == false;
+    EXPECT_EQ(one["published_success"].is_null(), !known) << "the thesis has none like this";
+    if (!known) continue;
     EXPECT_EQ(one["published_success"]["value"], 0.0) << "Table 5.6, Ours(10)";
   }
   const fs::path whole = Trained("pi100", {.steps = 100});
@@ -135,8 +144,11 @@ TEST_F(Report, TheThesissFiguresStandBesideItsLearners) {
   WriteFileAtomic(whole / "evaluation_folded.json", evaluation.dump());
   const ordered_json moved = CollectReport({whole}, thesis)["groups"][0]["evaluations"][0];
   EXPECT_EQ(moved["published_success"]["value"], 0.2) << "Table 5.7, Bag 2";
-  const fs::path other = Trained("pi6", {.steps = 6});
-  EXPECT_TRUE(CollectReport({other}, thesis)["groups"][0]["published_rewards"][1].is_null());
+  const auto rewards_of = [&](const fs::path& of) {
+    return CollectReport({of}, thesis)["groups"][0]["published_rewards"][1];
+  };
+  EXPECT_TRUE(rewards_of(Trained("pi6", {.steps = 6})).is_null());
+  EXPECT_TRUE(rewards_of(Trained("chain", {.protocol = "chain", .steps = 10})).is_null());
 }
 
 TEST_F(Report, OneFilmOfEachKindAndSuccessesFirst) {
@@ -196,7 +208,7 @@ TEST_F(Report, BrokenFilesAreNamed) {
   EXPECT_THAT(refusal(), HasSubstr("start = \"sideways\" is not one of folded, unfolded"));
   WriteFileAtomic(
       run / "evaluation_x.json",
-      R"({"bag": "b", "start": "folded", "pose": "near", "episodes": 3, "true_successes": 2,
+      R"({"bag": "b", "start": "folded", "pose": "near", "policy": "p", "repeats": 5, "episodes": 3, "true_successes": 2,
                       "perceived_successes": 1, "per_step": [{"attempts": 3, "successes": 4}, 1, 1,
                       1]})");
   EXPECT_THAT(refusal(), HasSubstr("per_step[0].successes = 4 is not within [0, 3]"));
