@@ -35,6 +35,10 @@ struct Workers::Shared {
       }
       lock.lock();
       errors[mine] = error;
+      if (error) {
+        open -= tasks->size() - next;
+        next = tasks->size();
+      }
       if (--open == 0) all_done.notify_one();
     }
   }

@@ -21,9 +21,10 @@ class Workers {
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
-  /// Runs every task once and returns when all have ended. Which environment runs which task is
-  /// left open; tasks must not depend on it. Rethrows the exception of the earliest task that
-  /// threw.
+  /// Runs every task once, begun in their order, and returns when all have ended. Which environment
+  /// runs which task is left open; tasks must not depend on it. Once one has thrown, none is begun
+  /// any more; rethrows the exception of the earliest that threw, which is the same with any number
+  /// of jobs, for all before it have run.
   void Run(const std::vector<Task>& tasks);
   int jobs() const { return jobs_; }
 

@@ -31,22 +31,22 @@ Eigen::Vector3f Shifted(const Eigen::Vector3f& rgb, double most, Rng& rng) {
 }
 
 /// In the frame but outside the region of interest (|x|, |y| <= 0.295 m) and off the cube's place.
-Eigen::Vector2d BorderPlace(double radius_m, Rng& rng) {
+Eigen::Vector2d BorderPlace(double radius_m, const Eigen::Vector2d& cube_m, Rng& rng) {
   const double clear = 0.31 + radius_m;
   for (;;) {
     const Eigen::Vector2d p(Either(0.56, rng), Either(0.42, rng));
     const bool beside = p.cwiseAbs().maxCoeff() > clear;
-    const bool on_cube = (p - Eigen::Vector2d(0.42, 0)).norm() < radius_m + 0.06;
+    const bool on_cube = (p - cube_m).norm() < radius_m + 0.06;
     if (beside && !on_cube) return p;
   }
 }
 
-Clutter RandomBlock(Rng& rng) {
+Clutter RandomBlock(const Eigen::Vector2d& cube_m, Rng& rng) {
   Clutter block;
   const Eigen::Vector3d size(rng.Uniform(0.01, 0.10), rng.Uniform(0.01, 0.05),
                              rng.Uniform(0.005, 0.04));
   block.mesh = BoxMesh(size);
-  const Eigen::Vector2d place = BorderPlace(0.5 * size.head<2>().norm(), rng);
+  const Eigen::Vector2d place = BorderPlace(0.5 * size.head<2>().norm(), cube_m, rng);
   block.X_WM = Eigen::Translation3d(place.x(), place.y(), size.z() / 2) *
                Eigen::AngleAxisd(Either(std::numbers::pi, rng), Eigen::Vector3d::UnitZ());
   // Greys and blues: red things would be cubes to anyone.
@@ -57,7 +57,8 @@ Clutter RandomBlock(Rng& rng) {
 
 }  // namespace
 
-SceneLook Vary(const SceneLook& nominal, const VariationConfig& config, std::uint64_t seed) {
+SceneLook Vary(const SceneLook& nominal, const VariationConfig& config,
+               const Eigen::Vector2d& cube_m, std::uint64_t seed) {
   if (config.amount <= 0) return nominal;
   const double amount = config.amount;
   Rng rng(DeriveSeed(static_cast<std::uint64_t>(config.seed), "variation", seed));
@@ -91,7 +92,7 @@ SceneLook Vary(const SceneLook& nominal, const VariationConfig& config, std::uin
   look.labels_per_layer =
       std::max(nominal.labels_per_layer - missing, std::min(nominal.labels_per_layer, 3));
   const int blocks = static_cast<int>(rng.Uniform() * (1 + std::floor(amount * config.clutter)));
-  for (int i = 0; i < blocks; ++i) look.clutter.push_back(RandomBlock(rng));
+  for (int i = 0; i < blocks; ++i) look.clutter.push_back(RandomBlock(cube_m, rng));
   return look;
 }
 
