@@ -310,11 +310,32 @@ struct World::Impl {
 
   Eigen::Vector3d CubeForce() const {
     if (!cube_hold) return Eigen::Vector3d::Zero();
-    // What the cube's motion in this step needed beyond gravity and what cloth did to it.
+    // What the cube's motion in this step needed beyond gravity, cloth and contact.
     const Eigen::Vector3d dv = FromBullet(cube->getLinearVelocity()) - cube_velocity_before;
     const Eigen::Vector3d from_cloth =
         shapes[0].impulse.cast<double>() / h + shapes[0].squeeze.cast<double>();
-    return -(config.cube_mass_kg * (dv / h + Eigen::Vector3d(0, 0, kGravity_m_s2)) - from_cloth);
+    return from_cloth + on_cube -
+           config.cube_mass_kg * (dv / h + Eigen::Vector3d(0, 0, kGravity_m_s2));
+  }
+
+  // Forces of Bullet's contacts in the step that has been taken, all of which are the cube's.
+  void ReadContacts() {
+    on_cube = on_links = Eigen::Vector3d::Zero();
+    for (int m = 0; m < dispatcher->getNumManifolds(); ++m) {
+      const btPersistentManifold& manifold = *dispatcher->getManifoldByIndexInternal(m);
+      const bool first = manifold.getBody0() == cube.get();
+      btVector3 impulse(0, 0, 0);  // on the first body
+      for (int k = 0; k < manifold.getNumContacts(); ++k) {
+        const btManifoldPoint& point = manifold.getContactPoint(k);
+        impulse += point.m_appliedImpulse * point.m_normalWorldOnB +
+                   point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                   point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+      }
+      const Eigen::Vector3d force = FromBullet(first ? impulse : -impulse) / h;
+      on_cube += force;
+      const btCollisionObject& other = first ? *manifold.getBody1() : *manifold.getBody0();
+      if (other.isKinematicObject()) on_links -= force;
+    }
   }
 
   // A link that is driven into the table feels it as a stiff spring.
@@ -392,6 +413,8 @@ struct World::Impl {
   Eigen::Isometry3d X_TCube = Eigen::Isometry3d::Identity();
   Eigen::Isometry3f cube_before = Eigen::Isometry3f::Identity();
   Eigen::Vector3d cube_velocity_before = Eigen::Vector3d::Zero();
+  Eigen::Vector3d on_cube = Eigen::Vector3d::Zero();   // N, of Bullet's contacts
+  Eigen::Vector3d on_links = Eigen::Vector3d::Zero();  // N, of those with the cube
   double opening = 0;
   double hold_force = 0;
   double time = 0;
@@ -474,8 +497,9 @@ void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_openi
   w.cube_velocity_before = FromBullet(w.cube->getLinearVelocity());
   w.world->stepSimulation(btScalar(w.h), 0);
   w.shapes[0].X_WS = FromBullet(w.cube->getWorldTransform()).cast<float>();
+  w.ReadContacts();
 
-  Eigen::Vector3d force = w.cloth.hold_force_N().cast<double>() + w.CubeForce();
+  Eigen::Vector3d force = w.cloth.hold_force_N().cast<double>() + w.CubeForce() + w.on_links;
   for (std::size_t s = 1; s <= w.links.size(); ++s) {
     const RigidShape& shape = w.shapes[s];
     force += shape.impulse.cast<double>() / w.h + shape.squeeze.cast<double>();

@@ -158,6 +158,100 @@ TEST(World, AHandFeelsTheBareTableWhileTheClothSleeps) {
 
 // Mid-planes of the two layers lie half and one and a half thicknesses above the table, so the
 // fingertips' height alone decides what is held.
+// The fingers without their arm: their tip, straight down, is at a place.
+class Fingers {
+ public:
+  explicit Fingers(double opening_m) : opening_m_(opening_m) {
+    Iiwa().LinkPoses(Iiwa().waiting(), opening_m, X_WL_);
+  }
+  void Put(World& world, const Eigen::Vector3d& tip) { world.PlaceArm(At(tip), opening_m_); }
+  void Step(World& world, const Eigen::Vector3d& tip) { world.Step(At(tip), opening_m_, false); }
+
+ private:
+  std::vector<Eigen::Isometry3d> At(const Eigen::Vector3d& tip) const {
+    const int tip_link = *Iiwa().robot().FindLink(Iiwa().config().tip_link);
+    std::vector<Eigen::Isometry3d> moved = X_WL_;
+    for (const int link : {Iiwa().finger_link_a(), Iiwa().finger_link_b(), tip_link}) {
+      moved[link].pretranslate(tip - X_WL_[tip_link].translation());
+    }
+    return moved;
+  }
+  double opening_m_;
+  std::vector<Eigen::Isometry3d> X_WL_;
+};
+
+// Coulomb: what a cube takes that slides at constant speed.
+TEST(World, AHandThatPushesTheCubeFeelsItsFriction) {
+  Scene scene;
+  Fingers fingers(0);
+  Eigen::Vector3d tip = scene.world.cube().X_WB.translation() + Eigen::Vector3d(0, 0.06, -0.012);
+  fingers.Put(scene.world, tip);
+  const double v_m_s = 0.05, step_s = scene.world.step_s();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int readings = 0;
+  for (double t = 0; t < 2.5; t += step_s) {
+    tip.y() -= v_m_s * step_s;
+    fingers.Step(scene.world, tip);
+    if (t < 1.5) continue;
+    sum += scene.world.ForceOnTool();
+    ++readings;
+  }
+  const WorldConfig config;
+  const double friction_N = config.cube_friction * config.cube_mass_kg * 9.81;
+  EXPECT_NEAR(sum.y() / readings, friction_N, 0.1 * friction_N);
+  EXPECT_NEAR(sum.x() / readings, 0, 0.25 * friction_N) << "the cube turns a little";
+}
+
+TEST(World, AHandFeelsTheCubeThatItComesDownOn) {
+  Scene scene;
+  scene.world.Settle(0.2);
+  const Eigen::Vector3d cube = scene.world.cube().X_WB.translation();
+  Fingers fingers(0);
+  Eigen::Vector3d tip = cube + Eigen::Vector3d(0, 0, 0.06);
+  fingers.Put(scene.world, tip);
+  const double start_m = tip.z();
+  while (scene.world.ForceOnTool().z() < 1 && tip.z() > cube.z()) {
+    tip.z() -= 0.02 * scene.world.step_s();
+    fingers.Step(scene.world, tip);
+    if (tip.z() > start_m - 0.01) {
+      ASSERT_LT(scene.world.ForceOnTool().norm(), 0.01) << "nothing is there yet";
+    }
+  }
+  EXPECT_NEAR(tip.z(), cube.z() + 0.0175, 0.0005);
+  EXPECT_NEAR(scene.world.cube().X_WB.translation().z(), cube.z(), 0.0005);
+}
+
+TEST(World, AHandFeelsTheWeightOfAHeldCubeAndTheTableThatItIsSetOn) {
+  Scene scene;
+  scene.world.Settle(0.2);
+  const WorldConfig config;
+  const double lies_m = scene.world.cube().X_WB.translation().z();
+  Fingers fingers(config.cube_side_m);
+  Eigen::Vector3d tip = scene.world.cube().X_WB.translation();
+  fingers.Put(scene.world, tip);
+  scene.world.BeginHold(60);
+  ASSERT_TRUE(scene.world.cube_held());
+  while (tip.z() < lies_m + 0.02) {
+    tip.z() += 0.05 * scene.world.step_s();
+    fingers.Step(scene.world, tip);
+  }
+  for (double t = 0; t < 0.5; t += scene.world.step_s()) fingers.Step(scene.world, tip);
+  const double weight_N = config.cube_mass_kg * 9.81;
+  EXPECT_NEAR(scene.world.ForceOnTool().z(), -weight_N, 0.02 * weight_N);
+  while (scene.world.ForceOnTool().z() < 1 && tip.z() > lies_m - 0.005) {
+    tip.z() -= 0.02 * scene.world.step_s();
+    fingers.Step(scene.world, tip);
+  }
+  EXPECT_NEAR(scene.world.cube().X_WB.translation().z(), lies_m, 0.0005);
+  EXPECT_NEAR(tip.z(), lies_m, 0.001);
+  // Pressed harder than the pads can hold it, it slips.
+  while (scene.world.cube_held() && tip.z() > lies_m - 0.005) {
+    tip.z() -= 0.02 * scene.world.step_s();
+    fingers.Step(scene.world, tip);
+  }
+  EXPECT_FALSE(scene.world.cube_held());
+}
+
 TEST(World, FingertipHeightDecidesWhichLayersAreHeld) {
   Scene scene;
   scene.world.Settle(0.5);
