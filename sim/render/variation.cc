@@ -30,13 +30,16 @@ Eigen::Vector3f Shifted(const Eigen::Vector3f& rgb, double most, Rng& rng) {
   return shifted;
 }
 
+/// Half the diagonal of the largest cube, 0.1 m, and some.
+constexpr double kCubeClear_m = 0.08;
+
 /// In the frame but outside the region of interest (|x|, |y| <= 0.295 m) and off the cube's place.
 Eigen::Vector2d BorderPlace(double radius_m, const Eigen::Vector2d& cube_m, Rng& rng) {
   const double clear = 0.31 + radius_m;
   for (;;) {
     const Eigen::Vector2d p(Either(0.56, rng), Either(0.42, rng));
     const bool beside = p.cwiseAbs().maxCoeff() > clear;
-    const bool on_cube = (p - cube_m).norm() < radius_m + 0.06;
+    const bool on_cube = (p - cube_m).norm() < radius_m + kCubeClear_m;
     if (beside && !on_cube) return p;
   }
 }

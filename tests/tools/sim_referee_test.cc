@@ -9,8 +9,7 @@
 namespace gusset {
 namespace {
 
-// A heap of folds of 20 mm nodes: flat triangles through them have another outline than what is
-// drawn. The heap is above the table everywhere, so that depth tells it from the canvas.
+// A heap of folds, which hides parts of itself. The heap is above the table everywhere, so that depth tells it from the canvas.
 TEST(SimReferee, TheBagIsAsLargeAsTheCleanPictureShowsIt) {
   const SimConfig config;
   SimScene scene(config);
