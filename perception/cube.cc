@@ -23,14 +23,26 @@ constexpr double kMostCovered = 0.75;
 /// A cube stands beside cloth if that is this share of the ring: the side of a square that lies
 /// along cloth has a quarter of it, a corner stuck out of it more.
 constexpr double kBesideCloth = 0.15;
-/// Longest that a covered cube may show, in widths: its diagonal.
-constexpr double kLongestCovered = std::numbers::sqrt2;
 /// Squares that hold so few pixels less are as good.
 constexpr float kAsGood_px2 = 3;
 
 double Length(const std::vector<cv::Point>& contour) {
   const cv::Size2f size = cv::minAreaRect(contour).size;
   return std::max(size.width, size.height) + 1;
+}
+
+/// The longest that a cube may show there: the diagonal of its top, which is nearer than the table,
+/// and as much of a side as leans out beside it. Soft edges add a pixel.
+double LongestOfCube(const std::vector<cv::Point>& contour, const View& view,
+                     const PerceptionConfig& config) {
+  const double side_m = config.cube_side_m;
+  const double below_m = view.camera.X_WC.translation().z() - config.table_height_m - side_m;
+  const double nearer = side_m / std::max(below_m, config.depth_min_m);
+  const cv::Rect box = cv::boundingRect(contour);
+  const Pinhole& pinhole = view.camera.pinhole;
+  const double out_px =
+      std::hypot(box.x + 0.5 * box.width - pinhole.cx, box.y + 0.5 * box.height - pinhole.cy);
+  return std::numbers::sqrt2 * CubeWidth(view, config) * (1 + nearer) + out_px * nearer + 1;
 }
 
 bool IsCompact(const std::vector<cv::Point>& contour, double area_px2) {
@@ -167,7 +179,8 @@ std::optional<CubeBlob> FindCube(const ColorMasks& masks, const View& view,
     if (largest && area <= largest->area_px2) continue;
     const double cloth = ClothAround(contour, masks, view);
     const bool covered = cloth > kBesideCloth && area < kMostCovered * width_px * width_px;
-    if (!IsCompact(contour, area) && !(covered && Length(contour) < kLongestCovered * width_px)) {
+    if (!IsCompact(contour, area) &&
+        !(covered && Length(contour) < LongestOfCube(contour, view, config))) {
       continue;
     }
     largest = CubeBlob{std::move(contour), area, cloth > 0.5, covered};

@@ -128,6 +128,23 @@ TEST(Cube, ASmallRedThingBesideALittleClothIsWhereItIsSeen) {
   EXPECT_NEAR(cube.centre_px.y, cube.px.y, 1);
 }
 
+// Half a cube, cut along its diagonal by the edge of the cloth: 28.6 px at the table's height, 29.6
+// at the top's, and there, 0.2 m out, a side shows beside it by 3.9 px. Nothing 40 px long is one.
+TEST(Cube, UnderClothAlongItsDiagonalItIsStillACube) {
+  for (const int length_px : {28, 32, 40}) {
+    RgbdFrame frame = synthetic::EmptyTable();
+    synthetic::FillBox(frame.color, {{400, 240}}, {-40, -40, 70, 80}, synthetic::kCloth);
+    const std::vector<cv::Point> shown = {
+        {430, 240 - length_px / 2}, {430, 239 + length_px / 2}, {445, 240}};
+    cv::fillConvexPoly(frame.color, shown, synthetic::kCube);
+    const std::optional<CubeBlob> blob = Find(frame);
+    EXPECT_EQ(blob.has_value(), length_px < 40) << length_px;
+    if (blob) {
+      EXPECT_TRUE(blob->covered);
+    }
+  }
+}
+
 // A whole cube that only touches the bag is measured as one that stands alone.
 TEST(Cube, BesideABagItIsNotCovered) {
   RgbdFrame frame = synthetic::EmptyTable();

@@ -78,7 +78,9 @@ class ReportPage : public testing::Test {
     }
     WriteFileAtomic(run / "steps.jsonl", steps);
     const json tally = {{"attempts", 20}, {"successes", 9 + seed}};
-    WriteFileAtomic(run / "evaluation_folded.json", json{{"bag", kHostile},
+    WriteFileAtomic(run / "evaluation_folded.json", json{{"policy", "p"},
+                                                         {"repeats", 5},
+                                                         {"bag", kHostile},
                                                          {"start", "folded"},
                                                          {"pose", "near"},
                                                          {"episodes", 20},
