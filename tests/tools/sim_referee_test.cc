@@ -9,7 +9,8 @@
 namespace gusset {
 namespace {
 
-// A heap of folds, which hides parts of itself. The heap is above the table everywhere, so that depth tells it from the canvas.
+// A heap of folds, which hides parts of itself. The heap is above the table everywhere, so that
+// depth tells it from the canvas.
 TEST(SimReferee, TheBagIsAsLargeAsTheCleanPictureShowsIt) {
   const SimConfig config;
   SimScene scene(config);
