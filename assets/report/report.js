@@ -161,7 +161,8 @@ function drawEvaluations(groups) {
   ]));
   if (rows.length === 0) return;
   section('Evaluations',
-      'Greedy policy (or random choice, where it says so), all seeds together. Success of the whole task by ground truth; of a step: ' +
+      'Greedy policy (or random choice, where it says so), all seeds together. ' +
+      'Success of the whole task by ground truth; of a step: ' +
       'actions that led to a later state, as the camera saw it. 95 % Wilson intervals; the ' +
       'thesis\'s (Tables 5.6 and 5.7; of the whole task only, for it tried steps one by one) are ' +
       'out of 10.');

@@ -25,12 +25,7 @@ std::vector<Eigen::Isometry3d> WaitingLinks() {
 // Bag and cube on the table, the arm waiting far from both.
 class Scene {
  public:
-  Scene() : world(BagConfig{}, ClothSolverConfig{}, WorldConfig{}, Iiwa()) {
-    WorldState state;
-    state.cloth = LaidFlat({});
-    state.cube = world.cube();
-    Start(state);
-  }
+  Scene() : Scene(WorldConfig{}, ClothSolverConfig{}) {}
   explicit Scene(const WorldState& state)
       : world(BagConfig{}, ClothSolverConfig{}, WorldConfig{}, Iiwa()) {
     Start(state);
