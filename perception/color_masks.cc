@@ -185,23 +185,51 @@ bool IsBesideCloth(const cv::Mat& cloth, int x, int y) {
   return false;
 }
 
-/// Takes the light's and the cloth's tint off: a table for cv::LUT after which cloth has cotton's
-/// colour, no channel brighter than it was. The bag itself is the white card. A pixel that label
-/// and tinted cloth share is otherwise less saturated than its share of label (bluish cloth), or of
-/// another hue than either.
-cv::Mat BalanceTable(const std::array<Histogram, 3>& cloth) {
-  std::array<double, 3> gain;
-  for (std::size_t k = 0; k < 3; ++k) gain[k] = kCotton[k] / std::max(1, Quantile(cloth[k], 0.5));
-  const double largest = std::ranges::max(gain);
-  cv::Mat table(1, 256, CV_8UC3);
-  for (int value = 0; value < 256; ++value) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      table.at<cv::Vec3b>(0, value)[static_cast<int>(k)] =
-          cv::saturate_cast<uchar>(value * gain[k] / largest);
+/// Takes the light's and the cloth's tint off: scales the channels so that cloth has cotton's
+/// colour, none brighter than it was. The bag itself is the white card. A pixel that label and
+/// tinted cloth share is otherwise less saturated than its share of label (bluish cloth), or of
+/// another hue than either. Sixteen values at a time: cv::LUT takes a sixth of perception's time.
+class Balance {
+ public:
+  explicit Balance(const std::array<Histogram, 3>& cloth) {
+    std::array<double, 3> gain;
+    for (std::size_t k = 0; k < 3; ++k) gain[k] = kCotton[k] / std::max(1, Quantile(cloth[k], 0.5));
+    const double largest = std::ranges::max(gain);
+    for (std::size_t i = 0; i < share_.size(); ++i) {
+      share_[i] = cv::saturate_cast<ushort>(65536 * gain[i % 3] / largest);
     }
   }
-  return table;
-}
+
+  void Apply(const cv::Mat& bgr, cv::Mat& balanced) const {
+    balanced.create(bgr.size(), CV_8UC3);
+    for (int y = 0; y < bgr.rows; ++y) ApplyRow(bgr.ptr(y), 3 * bgr.cols, balanced.ptr(y));
+  }
+
+ private:
+  static constexpr int kLanes = cv::v_uint8x16::nlanes;
+
+  void ApplyRow(const uchar* from, int count, uchar* to) const {
+    int x = 0;
+    for (; x + 3 * kLanes <= count; x += 3 * kLanes) {
+      for (int k = 0; k < 3; ++k) {
+        cv::v_uint16x8 low, high;
+        cv::v_expand(cv::v_load(from + x + k * kLanes), low, high);
+        const ushort* share = share_.data() + k * kLanes;
+        low = cv::v_mul_hi(low << 8, cv::v_load(share));
+        high = cv::v_mul_hi(high << 8, cv::v_load(share + kLanes / 2));
+        cv::v_store(to + x + k * kLanes, cv::v_rshr_pack<8>(low, high));
+      }
+    }
+    for (; x < count; ++x) to[x] = Level(from[x], share_[static_cast<std::size_t>(x % 3)]);
+  }
+
+  static uchar Level(uchar value, ushort share) {
+    return static_cast<uchar>((((value << 8) * static_cast<unsigned>(share) >> 16) + 128) >> 8);
+  }
+
+  /// 65536 times a channel's scale, B, G, R and again: for as many values as have whole vectors.
+  std::array<ushort, 3 * kLanes> share_;
+};
 
 /// From saturation to cover, in place. @param label what is surely label. @param half_covered the
 /// saturation of a pixel that a label covers by half, for want of pixels to measure.
@@ -305,7 +333,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
   on_bag += cv::Size(2 * kLabelLength_px, 2 * kLabelLength_px);
   on_bag &= cv::Rect({0, 0}, view.roi.size());
 
-  const cv::Mat balance = BalanceTable(cloth_bgr);
+  const Balance balance(cloth_bgr);
   Histogram cloth_saturation{};
   cv::Mat balanced;
   static_assert(kLabelLength_px <= kStrip);
@@ -317,7 +345,7 @@ ColorMasks ThresholdColors(const View& view, const PerceptionConfig& config) {
     strip.width = columns.size() + 2 * kLabelLength_px;
     strip &= on_bag;
     if (strip.empty()) return;
-    cv::LUT(color(strip + roi.tl()), balance, balanced);
+    balance.Apply(color(strip + roi.tl()), balanced);
     cv::cvtColor(balanced, hsv, cv::COLOR_BGR2HSV);
     for (int y = 0; y < strip.height; ++y) {
       const int row = strip.y + y;

@@ -1,7 +1,9 @@
 #include "perception/mouth_outline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "perception/require.h"
@@ -80,14 +82,20 @@ std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points) {
 
 bool GoesRound(const std::vector<cv::Point2d>& outline) {
   RequirePixels(outline, 0, "outline");
-  if (outline.size() < 4) return true;
+  const std::size_t n = outline.size();
+  if (n < 4) return true;
   std::vector<double> sides;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    sides.push_back(cv::norm(outline[(i + 1) % outline.size()] - outline[i]));
+  double turned_rad = 0;  // to and fro; once round has 2 pi
+  for (std::size_t i = 0; i < n; ++i) {
+    const cv::Point2d side = outline[(i + 1) % n] - outline[i];
+    const cv::Point2d next = outline[(i + 2) % n] - outline[(i + 1) % n];
+    sides.push_back(cv::norm(side));
+    turned_rad += std::abs(std::atan2(side.cross(next), side.dot(next)));
   }
+  const double turns = std::max(1.0, turned_rad / (2 * std::numbers::pi));
   const double longest = *std::ranges::max_element(sides);
   std::ranges::nth_element(sides, sides.begin() + std::ssize(sides) / 2);
-  return longest <= kLipGap * sides[sides.size() / 2];
+  return longest <= std::min(kLipGap, kWindingGap / turns) * sides[n / 2];
 }
 
 MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box) {
@@ -104,6 +112,19 @@ MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& 
   cv::distanceTransform(framed, framed_depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   depth.px = framed_depth(cv::Rect({1, 1}, depth.part.size()));
   return depth;
+}
+
+double ShareOutside(const MouthDepth& depth, const cv::Mat& mask, cv::Point origin) {
+  RequireMask(mask, "mask");
+  if (depth.part.empty()) return 0;
+  const cv::Mat enclosed = depth.px > 0;
+  const int all = cv::countNonZero(enclosed);
+  if (all == 0) return 0;
+  const cv::Rect shown = depth.part & cv::Rect(origin, mask.size());
+  const int in_mask =
+      shown.empty() ? 0
+                    : cv::countNonZero(enclosed(shown - depth.part.tl()) & mask(shown - origin));
+  return 1 - static_cast<double>(in_mask) / all;
 }
 
 cv::Mat RoomWithin(const MouthDepth& depth, double radius_px) {

@@ -17,14 +17,22 @@ namespace gusset {
 std::vector<cv::Point2d> MouthOutline(std::vector<cv::Point2d> points);
 
 /// Whether labels go round the mouth: no side of its outline is more than kLipGap times as long as
-/// the median one (of an even number the upper). Else all that show lie on one bent lip, as beside
-/// a folded corner, and the longest side crosses cloth or table. Of fewer than four points: true.
+/// the median one (of an even number the upper), or, if the outline winds, than kWindingGap / turns
+/// times. Else all that show lie on one bent lip, as beside a folded corner, and the longest side
+/// crosses cloth or table; or they stand in rows one behind the other, and the outline encloses
+/// the outside of cloth that lies between two rows. Of fewer than four points: true.
 bool GoesRound(const std::vector<cv::Point2d>& outline);
 
 /// Labels are evenly spaced along a lip, so twice the spacing is a gap of one that is hidden, seen
 /// aslant perhaps. Tuned 2026-11 on 513 frames of s2 with room for the cube: of 388 below it 6 have
 /// place points beside the mouth, of 125 above it 107 (docs/perception.md).
 inline constexpr double kLipGap = 2.5;
+
+/// An outline that turns by more than once round, to and fro, goes round one bend (a mouth bent
+/// round a folded corner) or between rows of labels: the more it winds, the less of a gap is
+/// believed. Tuned 2026-11 on 752 frames of s2 with room: 10 of 15 above it have place points
+/// beside the mouth, 15 of 737 below it, and 10 of these show table (kTableShare).
+inline constexpr double kWindingGap = 3.3;
 
 /// How far inside a mouth's outline each pixel lies.
 struct MouthDepth {
@@ -35,6 +43,16 @@ struct MouthDepth {
 /// Distance from what lies outside the outline or `box`, both in the image's pixels. Nothing if the
 /// outline has fewer than three points.
 MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box);
+
+/// The share of what the outline encloses where the mask is 0, or ends: table, if the mask is the
+/// bag's. Through a mouth one sees cloth alone. 0 if the outline encloses nothing.
+/// @param mask CV_8UC1; its pixel (0, 0) is at `origin`.
+double ShareOutside(const MouthDepth& depth, const cv::Mat& mask, cv::Point origin);
+
+/// Above this share of table the outline is not the mouth's. Tuned 2026-11 on the frames of
+/// kWindingGap: at most 4 % of a mouth that holds its place points is table (a straight side cuts
+/// across its bent end), of one that does not 32 %.
+inline constexpr double kTableShare = 0.1;
 
 /// Where a disc finds room: mask of the pixels at least radius_px inside (or as far inside as any
 /// is, if the mouth is narrower): CV_8UC1, 0 or 255, as large as depth.part.

@@ -38,7 +38,8 @@ struct Width {
   double radius_px = 0;            ///< Of the largest disc that finds room in it.
   double length_px = 0;            ///< From end to end.
   std::array<PosePoint, 2> sides;  ///< Its lips on either side of its middle, across its length.
-  /// False: its labels do not go round it (GoesRound), so part of what is measured is no mouth.
+  /// False: its labels do not go round it (GoesRound), or table shows within them (kTableShare), so
+  /// part of what is measured is no mouth.
   bool closed = true;
 };
 

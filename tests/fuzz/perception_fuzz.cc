@@ -154,6 +154,7 @@ void CallOne(Bytes bytes) {
       (void)RoomWithin(depth, bytes.Number());
       (void)MeasureWidth(outline, depth);
       (void)GoesRound(outline);
+      (void)ShareOutside(depth, bytes.Image(), {bytes.Below(400), bytes.Below(400)});
       return;
     }
   }

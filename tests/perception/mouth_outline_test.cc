@@ -125,6 +125,16 @@ TEST(GoesRound, AllowsForAHiddenLabelButNotForTwoInARow) {
   EXPECT_FALSE(GoesRound(ring));
 }
 
+// An arch of labels, the same gap in its way back: once as it is, once as a row that goes to and
+// fro.
+TEST(GoesRound, BelievesLessOfAGapTheMoreTheOutlineWinds) {
+  const Points arch = {{0, 0}, {30, -20}, {60, -20}, {90, 0}, {90, 30}, {65, 45}, {0, 45}};
+  const Points comb = {{0, 0},  {30, 0},  {30, 30}, {60, 30}, {60, 0},
+                       {90, 0}, {90, 60}, {60, 65}, {30, 65}, {0, 65}};
+  EXPECT_TRUE(GoesRound(arch));
+  EXPECT_FALSE(GoesRound(comb)) << "a side of 65 among sides of 30, turned by twice round";
+}
+
 TEST(GoesRound, CannotBeToldOfFewerThanFourPoints) {
   EXPECT_TRUE(GoesRound({{0, 0}, {1, 0}, {100, 1}}));
   EXPECT_TRUE(GoesRound({}));
@@ -178,6 +188,21 @@ TEST(RoomWithin, EndsAtTheImagesEdgeAndIsNothingForTwoPoints) {
   EXPECT_EQ(room.at<uchar>(5, 50), 0);
   EXPECT_NE(room.at<uchar>(50, 50), 0);
   EXPECT_EQ(cv::countNonZero(RoomIn({{10, 10}, {50, 50}}, box, 10)), 0);
+}
+
+TEST(ShareOutside, IsWhatOfTheMouthTheMaskLeavesOut) {
+  const Points square = {{150, 80}, {229, 80}, {229, 159}, {150, 159}};  // 80 x 80 pixels
+  const MouthDepth depth = DepthWithin(square, {100, 50, 200, 150});
+  cv::Mat mask(150, 200, CV_8UC1, cv::Scalar(255));
+  EXPECT_EQ(ShareOutside(depth, mask, {100, 50}), 0);
+  mask(cv::Rect(150 - 100, 80 - 50, 20, 40)) = 0;  // within it
+  mask(cv::Rect(0, 0, 40, 150)) = 0;               // beside it
+  EXPECT_NEAR(ShareOutside(depth, mask, {100, 50}), 20. * 40 / (80 * 80), 1e-12);
+  cv::Mat whole(150, 200, CV_8UC1, cv::Scalar(255));
+  EXPECT_NEAR(ShareOutside(depth, whole, {190, 80}), 0.5, 1e-12) << "the mask begins half-way";
+  EXPECT_EQ(ShareOutside(depth, mask, {1000, 1000}), 1);
+  EXPECT_EQ(ShareOutside(MouthDepth{}, mask, {0, 0}), 0);
+  EXPECT_THROW(ShareOutside(depth, cv::Mat(), {0, 0}), InputError);
 }
 
 TEST(MeasureWidth, OfASlitIsItsWidthAcrossHoweverItIsTurned) {

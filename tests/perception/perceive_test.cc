@@ -146,6 +146,18 @@ TEST(Perceive, ALipRoundAFoldedCornerIsNoClosedMouth) {
   EXPECT_TRUE(open.width->closed);
 }
 
+TEST(Perceive, AMouthThroughWhichTableShowsIsNoClosedMouth) {
+  RgbdFrame frame = FrameOf(2);
+  synthetic::FillBox(frame.color, {}, {-6, -102, 12, 20}, synthetic::kCanvas);
+  const Observation nicked = Look(frame);
+  ASSERT_TRUE(nicked.width);
+  EXPECT_TRUE(nicked.width->closed) << "5 %";
+  synthetic::FillBox(frame.color, {}, {-10, -102, 20, 52}, synthetic::kCanvas);
+  const Observation torn = Look(frame);
+  ASSERT_TRUE(torn.width);
+  EXPECT_FALSE(torn.width->closed) << "a quarter";
+}
+
 TEST(Perceive, WithoutBagItIsSuccessOrFail) {
   RgbdFrame frame = synthetic::EmptyTable();
   const Observation nothing = Look(frame);
