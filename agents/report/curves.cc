@@ -103,7 +103,7 @@ std::vector<EvaluationData> PooledEvaluations(const RunGroup& group) {
   for (const RunData* run : group.runs) {
     for (const EvaluationData& one : run->evaluations) {
       const auto kind = [](const EvaluationData& e) {
-        return std::tie(e.bag, e.start, e.pose, e.random, e.repeats);
+        return std::tie(e.bag, e.start, e.pose, e.random, e.repeats, e.overrides);
       };
       const auto same = std::ranges::find_if(
           pooled, [&](const EvaluationData& other) { return kind(other) == kind(one); });

@@ -33,8 +33,8 @@ Band LearningCurve(const RunGroup& group, int state, int window = 20);
 /// Learnt steps of a state and those that led to a later one, over all seeds.
 StateTally TrainingTally(const RunGroup& group, int state);
 
-/// Evaluations of one kind (bag, start, pose, repeats; of the policy or of random choice) added up
-/// over the group's seeds.
+/// Evaluations of one kind (bag, start, pose, repeats, overrides; of the policy or of random
+/// choice) added up over the group's seeds.
 std::vector<EvaluationData> PooledEvaluations(const RunGroup& group);
 
 }  // namespace gusset

@@ -59,7 +59,7 @@ ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train
   const std::string row = ThesisRow(train);
   const bool own_bag = data.bag == train.bag;
   const bool known = data.pose == "near" && (own_bag || row == "pi100") && !data.random &&
-                     data.repeats == EvaluationConfig().max_repeats;
+                     data.repeats == EvaluationConfig().max_repeats && data.overrides.empty();
   const std::string table = !known ? "" : own_bag ? "5.6" : "5.7";
   const std::string of = own_bag ? row : data.bag;
   ordered_json steps = ordered_json::array();
@@ -71,6 +71,7 @@ ordered_json EvaluationJson(const EvaluationData& data, const TrainConfig& train
           {"pose", data.pose},
           {"random", data.random},
           {"repeats", data.repeats},
+          {"overrides", data.overrides},
           {"success", Rate(data.true_successes, data.episodes)},
           {"perceived_successes", data.perceived_successes},
           {"per_step", steps},

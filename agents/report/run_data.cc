@@ -49,6 +49,17 @@ std::string Choice(const nlohmann::json& json, const std::string& key,
                    choices[1]);
 }
 
+// Files of before there was such a list have none.
+std::string Overrides(const nlohmann::json& json) {
+  std::string joined;
+  if (!json.contains("overrides")) return joined;
+  for (const nlohmann::json& one : JsonField<nlohmann::json::array_t>(json, "overrides")) {
+    if (!one.is_string()) throw InputError("overrides: " + one.dump() + " is no text");
+    joined += (joined.empty() ? "" : " ") + one.get<std::string>();
+  }
+  return joined;
+}
+
 EvaluationData ReadEvaluation(const std::filesystem::path& file) {
   const nlohmann::json json = ReadJson(file);
   try {
@@ -59,6 +70,7 @@ EvaluationData ReadEvaluation(const std::filesystem::path& file) {
     data.pose = Choice(json, "pose", {"near", "any"});
     data.random = JsonField<std::string>(json, "policy") == "random";
     data.repeats = JsonField<int>(json, "repeats", 1, kMostEpisodes);
+    data.overrides = Overrides(json);
     data.episodes = JsonField<int>(json, "episodes", 1, kMostEpisodes);
     data.true_successes = JsonField<int>(json, "true_successes", 0, data.episodes);
     data.perceived_successes = JsonField<int>(json, "perceived_successes", 0, data.episodes);

@@ -18,6 +18,8 @@ struct EvaluationData {
   std::string bag, start, pose;
   bool random = false;  ///< Of random choice instead of what the run learnt.
   int repeats = 0;      ///< Actions in one state before an episode was given up.
+  /// --config and --set: what was measured by other settings than the run's, joined by spaces.
+  std::string overrides;
   int episodes = 0;
   int true_successes = 0;
   int perceived_successes = 0;

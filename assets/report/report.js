@@ -154,7 +154,7 @@ function drawEvaluations(groups) {
   const rows = groups.flatMap(g => g.evaluations.map(e => [
     g.label,
     `${e.bag}, ${e.start}, ${e.pose}, at most ${e.repeats} actions in a state` +
-        (e.random ? '; random choice' : ''),
+        (e.random ? '; random choice' : '') + (e.overrides ? `; ${e.overrides}` : ''),
     rate(e.success, e.published_success),
     String(e.perceived_successes),
     ...e.per_step.map(r => rate(r)),

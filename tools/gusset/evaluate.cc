@@ -96,6 +96,7 @@ class EvaluateCommand final : public Command {
             {"pose", start_.pose},
             {"episodes", episodes_},
             {"repeats", repeats_},
+            {"overrides", common_.Overrides()},
             {"true_successes", result.true_successes},
             {"perceived_successes", result.perceived_successes},
             {"success_rate", static_cast<double>(result.true_successes) / episodes_},

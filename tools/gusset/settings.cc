@@ -119,6 +119,13 @@ void CommonOptions::ReadInto(ConfigTree& tree) const {
   for (const std::string& assignment : assignments) tree.Set(assignment);
 }
 
+std::vector<std::string> CommonOptions::Overrides() const {
+  std::vector<std::string> given;
+  for (const std::string& file : config_files) given.push_back("--config " + file);
+  for (const std::string& assignment : assignments) given.push_back("--set " + assignment);
+  return given;
+}
+
 void CommonOptions::StartLog() const {
   const auto logger = std::make_shared<spdlog::logger>(
       "gusset", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());

@@ -31,6 +31,8 @@ struct CommonOptions {
   void AddTo(CLI::App& command);
   /// What --config and --set give, in this order, over what is in `tree`. @throws InputError.
   void ReadInto(ConfigTree& tree) const;
+  /// "--config FILE" and "--set KEY=VALUE" as given, for the record.
+  std::vector<std::string> Overrides() const;
   /// Sends the log to stderr at the level asked for.
   void StartLog() const;
 };

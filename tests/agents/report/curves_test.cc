@@ -62,10 +62,12 @@ TEST(PooledEvaluations, AddUpOverSeedsButNotOverWhatWasMeasured) {
     run.evaluations.push_back(other);
     other.random = true;
     run.evaluations.push_back(other);
+    other.overrides = "--set sensor.preset=clean";
+    run.evaluations.push_back(other);
   }
   const std::vector<RunGroup> groups = GroupRuns(runs);
   const std::vector<EvaluationData> pooled = PooledEvaluations(groups.at(0));
-  ASSERT_EQ(pooled.size(), 4u);
+  ASSERT_EQ(pooled.size(), 5u);
   for (const EvaluationData& one : pooled) {
     EXPECT_EQ(one.episodes, 20);
     EXPECT_EQ(one.true_successes, 3);

@@ -129,11 +129,15 @@ TEST_F(Report, TheThesissFiguresStandBesideItsLearners) {
   evaluation["policy"] = "random";
   WriteFileAtomic(run / "evaluation_random.json", evaluation.dump());
   evaluation["policy"] = "out/pi10";
+  evaluation["overrides"] = {"--set sensor.preset=clean"};
+  WriteFileAtomic(run / "evaluation_clean.json", evaluation.dump());
+  evaluation.erase("overrides");
   const ordered_json group = CollectReport({run}, thesis)["groups"][0];
   EXPECT_EQ(group["published_rewards"][1]["value"], 0.014) << "Table 5.5, Ours(10)";
-  ASSERT_EQ(group["evaluations"].size(), 4u);
+  ASSERT_EQ(group["evaluations"].size(), 5u);
   for (const ordered_json& one : group["evaluations"]) {
-    const bool known = one["pose"] == "near" && one["repeats"] == 5 && one["random"] == false;
+    const bool known = one["pose"] == "near" && one["repeats"] == 5 && one["random"] == false &&
+                       one["overrides"] == "";
     EXPECT_EQ(one["published_success"].is_null(), !known) << "the thesis has none like this";
     if (!known) continue;
     EXPECT_EQ(one["published_success"]["value"], 0.0) << "Table 5.6, Ours(10)";
