@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -494,6 +495,20 @@ std::unique_ptr<ConfigVisitor> BoundsChecker(std::string_view section) {
 
 std::unique_ptr<ConfigVisitor> TomlWriter(std::string_view section, std::string& out) {
   return std::make_unique<Writer>(section, out);
+}
+
+std::map<std::string, std::string> FlattenResolved(const std::string& toml) {
+  std::map<std::string, std::string> values;
+  std::istringstream lines(toml);
+  std::string section;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('[')) section = line.substr(1, line.find(']') - 1) + ".";
+    const std::size_t equals = line.find(" = ");
+    if (equals != std::string::npos) {
+      values[section + line.substr(0, equals)] = line.substr(equals + 3);
+    }
+  }
+  return values;
 }
 
 std::filesystem::path AssetsFolder() {

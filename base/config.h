@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -96,6 +97,9 @@ void AppendToml(std::string_view section, Config config, std::string& out) {
   const std::unique_ptr<ConfigVisitor> writer = TomlWriter(section, out);
   config.Fields(*writer);
 }
+
+/// What AppendToml wrote, which has one value per line and no comments, as section.key: value.
+std::map<std::string, std::string> FlattenResolved(const std::string& toml);
 
 /// The folder with bags, robots, published results and the report's page: $GUSSET_ASSETS, else the
 /// source tree's assets/.

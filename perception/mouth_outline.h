@@ -45,7 +45,8 @@ struct MouthDepth {
 MouthDepth DepthWithin(const std::vector<cv::Point2d>& outline, const cv::Rect& box);
 
 /// The share of what the outline encloses where the mask is 0, or ends: table, if the mask is the
-/// bag's. Through a mouth one sees cloth alone. 0 if the outline encloses nothing.
+/// bag's, for through a mouth one sees cloth alone (or a shadow, which FindBag fills up to
+/// hole_max_px2). 0 if the outline encloses nothing.
 /// @param mask CV_8UC1; its pixel (0, 0) is at `origin`.
 double ShareOutside(const MouthDepth& depth, const cv::Mat& mask, cv::Point origin);
 

@@ -181,8 +181,9 @@ void AddPosePoints(const BagBody& bag, const std::optional<CubeBlob>& cube, cons
       }
       if (const auto width = MeasureWidth(lips, depth)) {
         // Without labels, gaps are pieces of hem that were not found.
-        const bool closed = (config.mouth != "labels" || GoesRound(lips)) &&
-                            ShareOutside(depth, bag.mask, view.roi.tl()) <= kTableShare;
+        const bool closed =
+            config.mouth != "labels" ||
+            (GoesRound(lips) && ShareOutside(depth, bag.mask, view.roi.tl()) <= kTableShare);
         observation.width = Width{
             width->radius_px,
             width->length_px,

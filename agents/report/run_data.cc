@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <sstream>
 
 #include "agents/json_fields.h"
 #include "agents/plots.h"
@@ -16,23 +15,6 @@ namespace {
 // As evaluate has it, so that sums over many fit.
 constexpr int kMostEpisodes = 100000;
 constexpr int kMostAttempts = 100000000;
-
-// Lines of a resolved config, which has one value per line and no comments.
-std::map<std::string, std::string> Flatten(const std::string& toml) {
-  std::map<std::string, std::string> values;
-  std::istringstream lines(toml);
-  std::string section;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with('[')) section = line.substr(1, line.find(']') - 1) + ".";
-    const std::size_t equals = line.find(" = ");
-    if (equals != std::string::npos) {
-      values[section + line.substr(0, equals)] = line.substr(equals + 3);
-    }
-  }
-  values.erase("train.seed");
-  values.erase("train.dump");
-  return values;
-}
 
 StateTally ReadTally(const nlohmann::json& json) {
   StateTally tally;
@@ -55,7 +37,7 @@ std::string Overrides(const nlohmann::json& json) {
   if (!json.contains("overrides")) return joined;
   for (const nlohmann::json& one : JsonField<nlohmann::json::array_t>(json, "overrides")) {
     if (!one.is_string()) throw InputError("overrides: " + one.dump() + " is no text");
-    joined += (joined.empty() ? "" : " ") + one.get<std::string>();
+    joined += (joined.empty() ? "" : ", ") + one.get<std::string>();
   }
   return joined;
 }
@@ -103,7 +85,9 @@ RunData ReadRun(const std::filesystem::path& folder) {
   ConfigTree tree;
   tree.Load(folder / "config.toml");
   tree.Read("train", run.train);
-  run.config = Flatten(ReadFile(folder / "config.toml"));
+  run.config = FlattenResolved(ReadFile(folder / "config.toml"));
+  run.config.erase("train.seed");
+  run.config.erase("train.dump");
 
   for (const LoggedStep& step : ReadLoggedSteps(folder / "steps.jsonl")) {
     ++run.actions;

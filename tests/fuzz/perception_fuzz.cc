@@ -1,6 +1,7 @@
 // libFuzzer: whatever perception's public functions are given, they answer or throw InputError.
 // cmake --preset release -DCMAKE_CXX_COMPILER=clang++ -DGUSSET_FUZZ=ON; build/fuzz_perception
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -8,6 +9,8 @@
 #include "base/error.h"
 #include "perception/bag_body.h"
 #include "perception/calibrate.h"
+#include "perception/color_masks.h"
+#include "perception/cube.h"
 #include "perception/depth.h"
 #include "perception/labels.h"
 #include "perception/mouth_by_depth.h"
@@ -18,6 +21,8 @@
 #include "perception/perceive.h"
 #include "perception/pose_points.h"
 #include "perception/rim.h"
+#include "perception/shapes.h"
+#include "perception/state.h"
 #include "perception/view.h"
 
 namespace gusset {
@@ -83,7 +88,7 @@ std::vector<cv::Point_<T>> As(const std::vector<cv::Point2d>& points) {
 
 void CallOne(Bytes bytes) {
   PerceptionConfig config;
-  const int which = bytes.Below(14);
+  const int which = bytes.Below(20);
   switch (which) {
     case 0:
     case 1:
@@ -155,6 +160,68 @@ void CallOne(Bytes bytes) {
       (void)MeasureWidth(outline, depth);
       (void)GoesRound(outline);
       (void)ShareOutside(depth, bytes.Image(), {bytes.Below(400), bytes.Below(400)});
+      return;
+    }
+    case 14: {
+      const RgbdFrame frame = {bytes.Image(), bytes.Byte() % 2 == 0 ? bytes.Image() : cv::Mat()};
+      CameraModel camera = OverheadCamera({}, 1.066);
+      if (bytes.Byte() % 4 == 0) camera.pinhole.fy = bytes.Number();
+      const View view = MakeView(frame, camera, config);
+      const ColorMasks masks = ThresholdColors(view, config);
+      (void)CubeWidth(view, config);
+      if (const auto blob = FindCube(masks, view, config)) {
+        (void)LocateCube(*blob, masks, view, config);
+      }
+      (void)DepthAt(view, bytes.Point(), config);
+      (void)OntoLevel(view, bytes.Point(), bytes.Number());
+      return;
+    }
+    case 15: {
+      const cv::Mat color = bytes.Image();
+      const cv::Mat depth = bytes.Byte() % 2 == 0 ? bytes.Image() : cv::Mat();
+      (void)FindHem(color, depth, bytes.Image(), config);
+      return;
+    }
+    case 16: {
+      std::vector<std::uint16_t> depths(static_cast<std::size_t>(bytes.Below(30)));
+      for (std::uint16_t& depth : depths) depth = static_cast<std::uint16_t>(bytes.Below(65536));
+      (void)MedianDepth(depths, config);
+      (void)ScaleToView(bytes.Image(), bytes.Below(2000) - 5);
+      return;
+    }
+    case 17: {
+      const Quad quad = {bytes.Point(), bytes.Point(), bytes.Point(), bytes.Point()};
+      (void)GridPoint(quad, bytes.Number(), bytes.Number());
+      (void)RimPoints(quad, bytes.Below(40) - 5);
+      (void)EdgePoints(As<int>(bytes.Points()), {bytes.Below(300), 0}, bytes.Point(),
+                       CellCentres(quad, bytes.Below(12) - 2), bytes.Number(), bytes.Number(), 3);
+      return;
+    }
+    case 18: {
+      std::vector<cv::Point2d> points = bytes.Points();
+      (void)FilledContour(As<int>(points), {bytes.Below(300), 0, bytes.Below(400), 50});
+      (void)LongerAxis(bytes.Number(), bytes.Number(), bytes.Number());
+      if (!points.empty()) (void)FitLine(points);
+      std::erase_if(points, [](const cv::Point2d& p) { return std::isnan(p.x + p.y); });
+      SortByXThenY(points);
+      return;
+    }
+    case 19: {
+      Evidence evidence;
+      evidence.has_surroundings = bytes.Byte() % 2 == 0;
+      evidence.bag_seen = bytes.Byte() % 2 == 0;
+      evidence.cube_seen = bytes.Byte() % 2 == 0;
+      evidence.cube_in_roi = bytes.Byte() % 2 == 0;
+      evidence.cube_in_mouth = bytes.Byte() % 2 == 0;
+      evidence.cube_on_bag = bytes.Byte() % 2 == 0;
+      evidence.labels_seen = bytes.Below(30) - 3;
+      evidence.A_bag = bytes.Number();
+      evidence.A_o = bytes.Number();
+      (void)StateName(ClassifyState(evidence, BagThresholds()).state);
+      const CameraModel camera = OverheadCamera({}, bytes.Number());
+      (void)camera.Project({bytes.Number(), bytes.Number(), bytes.Number()});
+      (void)camera.Deproject(bytes.Point(), bytes.Number());
+      (void)camera.OntoPlane(bytes.Point(), bytes.Number());
       return;
     }
   }

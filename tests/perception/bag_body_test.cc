@@ -52,6 +52,28 @@ TEST(FindBag, ADarkMouthIsFilledButALoopOfClothIsNot) {
   EXPECT_EQ(FindBag(cloth, kConfig)->area_px2, 173 * 202 - 80 * 80);
 }
 
+// It looks where there is cloth: with specks in the corners that is everywhere.
+TEST(FindBag, SeesTheSameHoweverMuchItLooksAt) {
+  for (const cv::Point at :
+       {cv::Point(0, 0), {1, 2}, {80, 70}, {338 - 173, 337 - 202}, {167, 138}}) {
+    cv::Mat cloth = Mask();
+    cloth(cv::Rect(at, cv::Size(173, 202))) = 255;
+    cloth(cv::Rect(at.x + 40, at.y, 5, 150)) = 0;       // closed
+    cloth(cv::Rect(at.x + 90, at.y + 60, 60, 60)) = 0;  // a hole
+    const std::optional<BagBody> alone = FindBag(cloth, kConfig);
+    for (const cv::Point corner : {cv::Point(0, 0), {337, 0}, {0, 337}, {337, 337}}) {
+      const cv::Rect speck(corner, cv::Size(2, 2));
+      if ((speck & cv::Rect(at, cv::Size(173, 202))).empty()) cloth(speck) = 255;
+    }
+    const std::optional<BagBody> among = FindBag(cloth, kConfig);
+    ASSERT_TRUE(alone && among);
+    EXPECT_EQ(cv::countNonZero(alone->mask != among->mask), 0) << at;
+    EXPECT_EQ(alone->contour, among->contour) << at;
+    EXPECT_EQ(alone->at_border, among->at_border) << at;
+    EXPECT_LT(alone->area_px2, 174 * 203 - 50 * 50) << "the hole is none of it";
+  }
+}
+
 TEST(FindBag, TellsThatTheRegionCutsTheBag) {
   cv::Mat cloth = Mask();
   cloth(cv::Rect(0, 70, 173, 202)) = 255;

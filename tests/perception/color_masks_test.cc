@@ -60,6 +60,22 @@ TEST(ColorMasks, CoverIsTheShareOfALabelInAPixelWhateverTheTint) {
   }
 }
 
+// Vectors of sixteen end before the region does.
+TEST(ColorMasks, TintIsTakenOffToTheLastColumn) {
+  RgbdFrame frame = synthetic::EmptyTable();
+  const cv::Rect roi(kConfig.roi_x, kConfig.roi_y, kConfig.roi_side, kConfig.roi_side);
+  frame.color(roi) = synthetic::kCloth;
+  frame.color(roi)(cv::Rect(100, 100, 12, 12)) = synthetic::kLabel;
+  frame.color(roi)(cv::Rect(331, 200, 9, 12)) = synthetic::kLabel;
+  cv::multiply(frame.color, cv::Scalar(0.75, 0.85, 1.0), frame.color);
+  const ColorMasks masks = MasksOf(frame);
+  for (int x = 320; x < 340; ++x) {
+    EXPECT_EQ(masks.label_cover.at<uchar>(50, x), masks.label_cover.at<uchar>(50, 150)) << x;
+    const cv::Point as_label(x < 331 ? 150 : 105, 105);
+    EXPECT_EQ(masks.label_cover.at<uchar>(205, x), masks.label_cover.at<uchar>(as_label)) << x;
+  }
+}
+
 // A toy, a cable: twice as saturated as labels, and larger than all of them.
 TEST(ColorMasks, GreenThingsOnTheCanvasDoNotChangeWhatALabelCovers) {
   RgbdFrame frame = MixedFrame(1);

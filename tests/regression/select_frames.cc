@@ -21,65 +21,91 @@ namespace {
 constexpr int kJpegQuality = 92;
 /// Nearer to a threshold noise decides, and a frame tests nothing.
 constexpr double kLeastMargin = 0.01;
+/// Bags of which frames have depth, plain and varied.
+const std::set<std::string> kWithDepth = {"bag1", "large"};
 
 // How far, relatively, a frame is from the nearest threshold that its state knows.
-double Distance(const LabelledFrame& frame, const BagThresholds& t) {
+double Distance(const LabelledFrame& frame, const BaggingConfig& config) {
+  const BagThresholds& t = config.chosen_thresholds();
   const auto to = [](double area, double threshold) { return std::abs(area / threshold - 1); };
-  switch (frame.state) {
-    case State::kFolded:
-    case State::kUnfolded:
-      return std::min(to(frame.A_bag, t.A_th), to(frame.A_o, t.A_oth));
-    case State::kOpen:
-      return std::min(to(frame.A_bag, kOpenBagShare * t.A_flat), to(frame.A_o, t.A_oth));
-    default:
-      return 1;  // areas decide nothing
+  double nearest = 1;  // in s3 to s5 areas decide nothing
+  if (frame.state == State::kFolded || frame.state == State::kUnfolded) {
+    nearest = std::min(to(frame.A_bag, t.A_th), to(frame.A_o, t.A_oth));
+  } else if (frame.state == State::kOpen) {
+    nearest = std::min(to(frame.A_bag, kOpenBagShare * t.A_flat), to(frame.A_o, t.A_oth));
+  } else {
+    return nearest;
   }
+  for (const LabelledFrame::Label& label : frame.shown) {
+    nearest = std::min(nearest, to(label.px2, config.perception.label_min_px2));
+  }
+  return nearest;
+}
+
+struct Chosen {
+  StoredFrame stored;
+  std::vector<uchar> jpeg;
+  cv::Mat depth_mm;  ///< Of the first of each state: the files are large.
+};
+
+std::vector<Chosen> ChooseFrom(const std::filesystem::path& folder, int per_state) {
+  const std::string bag = folder.filename();
+  ConfigTree tree;
+  tree.Load(AssetsFolder() / "bags" / (bag + ".toml"));
+  BaggingConfig config;
+  config.Read(tree);
+  // By state, nearest to a threshold first; one frame of a world.
+  std::map<State, std::multimap<double, LabelledFrame>> frames;
+  std::set<std::string> worlds;
+  for (const LabelledFrame& frame : ReadLabels(folder)) {
+    const double distance = Distance(frame, config);
+    if (distance < kLeastMargin || !worlds.insert(frame.world).second) continue;
+    frames[frame.state].emplace(distance, frame);
+  }
+  std::vector<Chosen> chosen;
+  for (const auto& [state, nearest] : frames) {
+    int count = 0;
+    for (const auto& [distance, frame] : nearest) {
+      if (count == per_state) break;
+      const std::string name =
+          bag + "_" + std::string(StateName(state)) + "_" + std::to_string(count);
+      Chosen one = {{name, bag, std::string(StateName(state)), nullptr}, {}, {}};
+      cv::imencode(".jpg", ReadImage(frame.color, cv::IMREAD_COLOR), one.jpeg,
+                   {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+      if (count == 0 && kWithDepth.contains(bag)) {
+        one.depth_mm = ReadImage(frame.depth, cv::IMREAD_UNCHANGED);
+      }
+      // A set that fails from the start guards nothing; what is seen wrong is for the corpus to
+      // show.
+      const RgbdFrame stored = {cv::imdecode(one.jpeg, cv::IMREAD_COLOR), one.depth_mm};
+      if (LookAt(stored, bag).seen.state != state) {
+        std::printf("left out, seen wrong: %s\n", frame.color.c_str());
+        continue;
+      }
+      ++count;
+      std::printf("%s: %.3f from a threshold\n", name.c_str(), distance);
+      chosen.push_back(std::move(one));
+    }
+  }
+  return chosen;
 }
 
 void Select(int per_state, const std::vector<std::string>& corpora) {
-  std::vector<StoredFrame> chosen;
-  MakeFolder(StoredFramesFolder());
+  std::vector<Chosen> chosen;
   for (const std::string& corpus : corpora) {
-    const std::filesystem::path folder = corpus;
-    const std::string bag = folder.filename();
-    ConfigTree tree;
-    tree.Load(AssetsFolder() / "bags" / (bag + ".toml"));
-    BaggingConfig config;
-    config.Read(tree);
-    // By state, nearest to a threshold first; one frame of a world.
-    std::map<State, std::multimap<double, LabelledFrame>> frames;
-    std::set<std::string> worlds;
-    for (const LabelledFrame& frame : ReadLabels(folder)) {
-      const double distance = Distance(frame, config.chosen_thresholds());
-      if (distance < kLeastMargin || !worlds.insert(frame.world).second) continue;
-      frames[frame.state].emplace(distance, frame);
-    }
-    for (const auto& [state, nearest] : frames) {
-      int count = 0;
-      for (const auto& [distance, frame] : nearest) {
-        if (count == per_state) break;
-        const std::string name =
-            bag + "_" + std::string(StateName(state)) + "_" + std::to_string(count++);
-        std::vector<uchar> bytes;
-        cv::imencode(".jpg", ReadImage(frame.color, cv::IMREAD_COLOR), bytes,
-                     {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-        WriteFileAtomic(StoredFramesFolder() / (name + ".jpg"),
-                        {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-        const StoredFrame stored = {name, bag, std::string(StateName(state)), nullptr};
-        // A set that fails from the start guards nothing; what is seen wrong is for the corpus to
-        // show.
-        if (StateName(LookAtStored(stored).seen.state) != stored.state) {
-          std::printf("left out, seen wrong: %s\n", frame.color.c_str());
-          std::filesystem::remove(StoredFramesFolder() / (name + ".jpg"));
-          --count;
-          continue;
-        }
-        chosen.push_back(stored);
-        std::printf("%s: %.3f from a threshold\n", name.c_str(), distance);
-      }
-    }
+    for (Chosen& one : ChooseFrom(corpus, per_state)) chosen.push_back(std::move(one));
   }
-  WriteStoredFrames(chosen);
+  const std::filesystem::path folder = StoredFramesFolder();
+  std::filesystem::remove_all(folder);
+  MakeFolder(folder);
+  std::vector<StoredFrame> lines;
+  for (const Chosen& one : chosen) {
+    WriteFileAtomic(folder / (one.stored.name + ".jpg"),
+                    {reinterpret_cast<const char*>(one.jpeg.data()), one.jpeg.size()});
+    if (!one.depth_mm.empty()) WriteImage(folder / (one.stored.name + "_depth.png"), one.depth_mm);
+    lines.push_back(one.stored);
+  }
+  WriteStoredFrames(lines);
 }
 
 }  // namespace

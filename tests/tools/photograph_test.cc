@@ -37,7 +37,10 @@ TEST(Photograph, AFrameOfTheTestbedStaysAsItIs) {
   const RgbdFrame frame = OpenBag();
   const Photograph photograph = PreparePhotograph(frame, {}, PerceptionConfig());
   EXPECT_EQ(photograph.frame.color.data, frame.color.data);
-  EXPECT_TRUE(photograph.warnings.empty());
+  ASSERT_EQ(photograph.warnings.size(), 1u) << "another camera's frames may be as large";
+  EXPECT_TRUE(photograph.warnings[0].starts_with("taken for a frame of the testbed's camera"));
+  const PhotographOptions known = {.px_per_m = NominalPxPerMetre()};
+  EXPECT_TRUE(PreparePhotograph(frame, known, PerceptionConfig()).warnings.empty());
 }
 
 // Twice resampled edges move by a fraction of a pixel along the bag's 750 px of edge: 2 %.

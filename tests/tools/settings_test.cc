@@ -44,5 +44,19 @@ TEST(Settings, AConfigsBagIsTakenWithItsName) {
   EXPECT_EQ(LoadSettings(common, {}).resolved, run.resolved);
 }
 
+// What is said as it was already is no change, however it is spelt.
+TEST(ChangesBy, AreTheValuesThatDifferFromTheRuns) {
+  const SettingsSource source = {.bag = "bag2"};
+  CommonOptions common;
+  common.assignments = {"sensor.color_sigma=1.50", "sensor.preset=clean", "train.steps=7"};
+  EXPECT_EQ(ChangesBy(common, source, LoadSettings(common, source)),
+            std::vector<std::string>{"sensor.preset = \"clean\""});
+  const TemporaryFolder folder;
+  CommonOptions same;
+  same.config_files = {(folder.path() / "config.toml").string()};
+  WriteFileAtomic(same.config_files.front(), LoadSettings({}, source).resolved);
+  EXPECT_TRUE(ChangesBy(same, source, LoadSettings(same, source)).empty());
+}
+
 }  // namespace
 }  // namespace gusset

@@ -57,7 +57,9 @@ class EvaluateCommand final : public Command {
         std::filesystem::path(out_).replace_extension().concat("_frames");
     if (dump_ != "none") MakeFolder(frames);
     if (!out_.empty()) CheckResultFile(out_, "per_step");
-    const Settings settings = LoadSettings(common_, SourceOf(policy_, bag_));
+    const SettingsSource source = SourceOf(policy_, bag_);
+    const Settings settings = LoadSettings(common_, source);
+    overrides_ = ChangesBy(common_, source, settings);
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
 
     // Also where none are kept: they would lie beside figures that they are not of.
@@ -96,7 +98,7 @@ class EvaluateCommand final : public Command {
             {"pose", start_.pose},
             {"episodes", episodes_},
             {"repeats", repeats_},
-            {"overrides", common_.Overrides()},
+            {"overrides", overrides_},
             {"true_successes", result.true_successes},
             {"perceived_successes", result.perceived_successes},
             {"success_rate", static_cast<double>(result.true_successes) / episodes_},
@@ -128,6 +130,7 @@ class EvaluateCommand final : public Command {
   StartOption start_;
   std::string policy_;
   std::optional<std::string> bag_;
+  std::vector<std::string> overrides_;
   std::string out_;
   std::string dump_ = "none";
   int episodes_ = 50;

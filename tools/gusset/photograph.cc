@@ -92,11 +92,11 @@ Photograph PreparePhotograph(const RgbdFrame& image, const PhotographOptions& op
   if (!image.depth_mm.empty()) photograph.frame.depth_mm = image.depth_mm(crop);
   if (!options.px_per_m && !options.camera) {
     const cv::Size size = crop.size();
-    if (size != cv::Size(kFrameWidth, kFrameHeight) &&
-        size != cv::Size(config.roi_side, config.roi_side)) {
-      photograph.warnings.push_back(
-          "scale guessed from the image's shape: give --px-per-m or --camera");
-    }
+    const bool of_testbed = size == cv::Size(kFrameWidth, kFrameHeight) ||
+                            size == cv::Size(config.roi_side, config.roi_side);
+    photograph.warnings.push_back(
+        of_testbed ? "taken for a frame of the testbed's camera: give --px-per-m or --camera if not"
+                   : "scale guessed from the image's shape: give --px-per-m or --camera");
     return photograph;
   }
 

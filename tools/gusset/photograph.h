@@ -32,7 +32,8 @@ double NominalPxPerMetre();
 /// With px_per_m or a camera, the image is scaled to NominalPxPerMetre and cut to the view around
 /// the world's origin (without a camera: around the image's or the crop's middle): 640x480 if it
 /// shows that much, else the region of interest, black where the image ends. Without either it
-/// stays as it is, for Perceive to guess from its shape, and a warning says so.
+/// stays as it is, for Perceive to guess from its shape (the testbed's own frame, if it is as
+/// large), and a warning says so.
 /// @throws InputError if the crop is not within the image, or the scaled image would be absurd.
 Photograph PreparePhotograph(const RgbdFrame& image, const PhotographOptions& options,
                              const PerceptionConfig& config);

@@ -6,10 +6,10 @@
 
 #include "agents/image_file.h"
 #include "agents/json_fields.h"
+#include "agents/look_files.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/stop.h"
-#include "perception/overlay.h"
 #include "tools/gusset/command.h"
 #include "tools/gusset/settings.h"
 #include "tools/gusset/testbed_env.h"
@@ -91,6 +91,7 @@ class RenderCommand final : public Command {
       throw InputError(out_ + ": has a " + name + " already; choose another --out");
     }
     MakeFolder(out);
+    perception_ = settings.bagging.perception;
     TestbedEnv environment(MakeTestbed(settings.tree), settings.bagging);
     WriteFileAtomic(out / "camera.json",
                     JsonText(CameraJson(environment.testbed().camera().model())));
@@ -108,8 +109,9 @@ class RenderCommand final : public Command {
                          " episodes, still missing " + Missing() +
                          "; a trained --policy gets there more often");
         }
-        RunEpisodeOnce(environment, *agent, static_cast<std::uint64_t>(episode), labels);
-        if (state_ == "all") KeepCleared(environment, static_cast<std::uint64_t>(episode), labels);
+        const auto index = static_cast<std::uint64_t>(episode);
+        if (!ClearsAlone()) RunEpisodeOnce(environment, *agent, index, labels);
+        if (state_ == "all" || ClearsAlone()) KeepCleared(environment, index, labels);
       }
     } catch (const Interrupted&) {
       throw RunError("interrupted after " + std::to_string(frames_) + " frames");
@@ -123,6 +125,9 @@ class RenderCommand final : public Command {
   bool Done() const {
     return std::ranges::all_of(missing_, [](int n) { return n == 0; });
   }
+
+  // Where actions are random, episodes of s4 and s5 are not worth waiting for.
+  bool ClearsAlone() const { return policy_ == "random" && (state_ == "s4" || state_ == "s5"); }
 
   std::string Missing() const {
     std::string text;
@@ -180,7 +185,7 @@ class RenderCommand final : public Command {
       const auto seed = DeriveSeed(DeriveSeed(seed_, "render cleared", episode), "state",
                                    static_cast<std::uint64_t>(state));
       environment.Start(StartKind::kUnfolded, DeriveSeed(seed_, "render cleared start"));
-      environment.testbed().ClearTable(/*lay_cube=*/state == 5, seed);
+      environment.testbed().ClearTable(/*in_middle=*/state == 5, seed);
       const Snapshot world = environment.testbed().scene().Save();
       const std::uint64_t index = ClearedIndex(episode, state);
       environment.Begin(world, DeriveSeed(seed_, "render sensor", index));
@@ -223,11 +228,13 @@ class RenderCommand final : public Command {
     const std::string state = "s" + std::to_string(truth.truth.state);
     char stem[48];
     std::snprintf(stem, sizeof stem, "%s_%05d", state.c_str(), written_[truth.truth.state]++);
-    const std::filesystem::path path = std::filesystem::path(out_) / stem;
-    WriteImage(path.string() + ".png", frame.color);
-    WriteImage(path.string() + "_depth.png", frame.depth_mm);
+    const std::string path = (std::filesystem::path(out_) / stem).string();
     if (look == 0) {
-      WriteImage(path.string() + "_overlay.png", DrawOverlay(frame, seen));
+      (void)WriteLook(path, {frame, seen, truth.truth}, environment.testbed().camera().model(),
+                      perception_);
+    } else {
+      WriteImage(path + ".png", frame.color);
+      WriteImage(path + "_depth.png", frame.depth_mm);
     }
     if (look == 0 || !Same(truth.surface, surface_)) {
       surface_ = truth.surface;
@@ -267,6 +274,7 @@ class RenderCommand final : public Command {
   bool vary_ = false;
   bool plain_ = false;
   std::string policy_ = "random";
+  PerceptionConfig perception_;
   std::array<int, kStates> missing_{};  ///< Bags still to be shown, per state.
   std::array<int, kStates> written_{};  ///< Frames, per state.
   int frames_ = 0;

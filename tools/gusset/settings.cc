@@ -119,13 +119,6 @@ void CommonOptions::ReadInto(ConfigTree& tree) const {
   for (const std::string& assignment : assignments) tree.Set(assignment);
 }
 
-std::vector<std::string> CommonOptions::Overrides() const {
-  std::vector<std::string> given;
-  for (const std::string& file : config_files) given.push_back("--config " + file);
-  for (const std::string& assignment : assignments) given.push_back("--set " + assignment);
-  return given;
-}
-
 void CommonOptions::StartLog() const {
   const auto logger = std::make_shared<spdlog::logger>(
       "gusset", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
@@ -194,6 +187,19 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   settings.bagging.AppendTo(settings.resolved);
   testbed->AppendConfig(settings.resolved);
   return settings;
+}
+
+std::vector<std::string> ChangesBy(const CommonOptions& common, const SettingsSource& source,
+                                   const Settings& settings) {
+  if (common.config_files.empty() && common.assignments.empty()) return {};
+  const auto plain = FlattenResolved(LoadSettings(CommonOptions(), source).resolved);
+  std::vector<std::string> changes;
+  for (const auto& [key, value] : FlattenResolved(settings.resolved)) {
+    const auto before = plain.find(key);
+    if (key.starts_with("train.") || (before != plain.end() && before->second == value)) continue;
+    changes.push_back(key + " = " + value);
+  }
+  return changes;
 }
 
 Workers::Factory Settings::EnvironmentFactory() const {

@@ -31,8 +31,6 @@ struct CommonOptions {
   void AddTo(CLI::App& command);
   /// What --config and --set give, in this order, over what is in `tree`. @throws InputError.
   void ReadInto(ConfigTree& tree) const;
-  /// "--config FILE" and "--set KEY=VALUE" as given, for the record.
-  std::vector<std::string> Overrides() const;
   /// Sends the log to stderr at the level asked for.
   void StartLog() const;
 };
@@ -73,6 +71,11 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
 /// Reads every section that any command knows, for a command that needs but some of them.
 /// @throws InputError as LoadSettings, for keys that nothing knows too.
 void RefuseUnknownKeys(ConfigTree& tree);
+
+/// What --config and --set change, as "section.key = value", of all that an evaluation depends on
+/// ([train] is of how a policy was learnt). @param settings of both. @throws as LoadSettings.
+std::vector<std::string> ChangesBy(const CommonOptions& common, const SettingsSource& source,
+                                   const Settings& settings);
 
 /// The file of a bag by name ("bag1") or path. @throws InputError listing the names there are.
 std::filesystem::path BagFile(const std::string& bag);

@@ -23,6 +23,8 @@ CameraModel ObliqueCamera() {
 constexpr float kAway_m = 3;
 // Within the region of interest, which reaches 0.295 m from its middle, less the cube itself.
 constexpr double kCubeSpread_m = 0.27;
+// Beside it, left or right, in the frame, which reaches 0.55 m to the sides and 0.41 m up and down.
+constexpr double kBesideFrom_m = 0.34, kBesideTo_m = 0.51, kBesideSpread_m = 0.38;
 
 class SimTestbed : public Testbed {
  public:
@@ -35,16 +37,20 @@ class SimTestbed : public Testbed {
   RobotPort& robot() override { return scene_.robot(); }
   Referee& referee() override { return referee_; }
   FrameTruth Describe() override { return referee_.Describe(); }
-  void ClearTable(bool lay_cube, std::uint64_t seed) override {
+  void ClearTable(bool in_middle, std::uint64_t seed) override {
     World& world = scene_.world();
     ClothState cloth = world.cloth().state();
     for (Vec3f& p : cloth.x) p.x() += kAway_m;
     world.cloth().SetState(std::move(cloth));
-    if (!lay_cube) return;
     Rng rng(DeriveSeed(seed, "cube"));
     BodyState cube;
-    cube.X_WB.translation() << rng.Uniform(-kCubeSpread_m, kCubeSpread_m),
-        rng.Uniform(-kCubeSpread_m, kCubeSpread_m), 0.5 * world.config().cube_side_m;
+    double x = rng.Uniform(-kCubeSpread_m, kCubeSpread_m);
+    double y = rng.Uniform(-kCubeSpread_m, kCubeSpread_m);
+    if (!in_middle) {
+      x = rng.Uniform(kBesideFrom_m, kBesideTo_m) * (rng.Below(2) == 0 ? -1 : 1);
+      y = rng.Uniform(-kBesideSpread_m, kBesideSpread_m);
+    }
+    cube.X_WB.translation() << x, y, 0.5 * world.config().cube_side_m;
     cube.X_WB.linear() =
         Eigen::AngleAxisd(rng.Uniform(0, std::numbers::pi / 2), Eigen::Vector3d::UnitZ())
             .toRotationMatrix();

@@ -26,9 +26,9 @@ class Testbed {
   /// Ground truth of what the camera sees now, for labelled frames.
   virtual FrameTruth Describe() = 0;
   /// What a person would do to clear the table, for labelled frames of s4 and s5: takes the bag
-  /// away, out of the frame, and either leaves the cube where it waits or lays it somewhere in the
-  /// middle of the table. No time passes.
-  virtual void ClearTable(bool lay_cube, std::uint64_t seed) = 0;
+  /// away, out of the frame, and lays the cube somewhere in the middle of the table, or beside the
+  /// middle, left or right. No time passes.
+  virtual void ClearTable(bool in_middle, std::uint64_t seed) = 0;
   /// From now on the bag is drawn with its labels, or without. Ground truth still goes by where
   /// they would be.
   virtual void DrawLabels(bool drawn) = 0;

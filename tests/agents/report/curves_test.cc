@@ -62,7 +62,7 @@ TEST(PooledEvaluations, AddUpOverSeedsButNotOverWhatWasMeasured) {
     run.evaluations.push_back(other);
     other.random = true;
     run.evaluations.push_back(other);
-    other.overrides = "--set sensor.preset=clean";
+    other.overrides = "sensor.preset = \"clean\"";
     run.evaluations.push_back(other);
   }
   const std::vector<RunGroup> groups = GroupRuns(runs);

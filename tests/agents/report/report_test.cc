@@ -129,7 +129,7 @@ TEST_F(Report, TheThesissFiguresStandBesideItsLearners) {
   evaluation["policy"] = "random";
   WriteFileAtomic(run / "evaluation_random.json", evaluation.dump());
   evaluation["policy"] = "out/pi10";
-  evaluation["overrides"] = {"--set sensor.preset=clean"};
+  evaluation["overrides"] = {"sensor.preset = \"clean\""};
   WriteFileAtomic(run / "evaluation_clean.json", evaluation.dump());
   evaluation.erase("overrides");
   const ordered_json group = CollectReport({run}, thesis)["groups"][0];
