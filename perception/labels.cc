@@ -310,8 +310,8 @@ std::vector<Label> FindLabels(const cv::Mat& cover, const cv::Mat& bag, int most
       // What lies between two parts is the soft edge of both.
       const auto at = [](const Pixel& pixel) { return std::pair(pixel.at.y, pixel.at.x); };
       std::ranges::sort(pixels, {}, at);
-      const auto twice = std::ranges::unique(pixels, {}, at);
-      pixels.erase(twice.begin(), twice.end());
+      const auto same = [&](const Pixel& a, const Pixel& b) { return at(a) == at(b); };
+      pixels.erase(std::unique(pixels.begin(), pixels.end(), same), pixels.end());
       const Moments whole = MomentsOf(pixels);
       if (whole.area >= LeastArea(config)) labels.push_back({whole.centroid, whole.area});
     } else {

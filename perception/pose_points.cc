@@ -52,6 +52,7 @@ std::vector<cv::Point2d> RimPoints(const Quad& quad, int count) {
 std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::Point origin,
                                     cv::Point2d centre, const std::vector<cv::Point2d>& points,
                                     double cone_rad, double inset_px, double central_px) {
+  RequirePixels(contour, 0, "contour");
   const double least_cos = std::cos(cone_rad);
   std::vector<cv::Point2d> edge;
   for (const cv::Point2d& point : points) {

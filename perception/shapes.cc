@@ -4,9 +4,12 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "perception/require.h"
+
 namespace gusset {
 
 cv::Mat FilledContour(const std::vector<cv::Point>& contour, const cv::Rect& box) {
+  RequirePixels(contour, 1, "contour");
   cv::Mat mask = cv::Mat::zeros(box.size(), CV_8UC1);
   cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{contour}, 255, cv::LINE_8, 0, -box.tl());
   return mask;

@@ -6,7 +6,8 @@
 namespace gusset {
 
 /// Mask of the pixels that a contour encloses, itself included: CV_8UC1, 0 or 255, as large as
-/// `box`. The contour counts in the pixels that the box lies in.
+/// `box`. The contour counts in the pixels that the box lies in. @throws InputError if it is empty
+/// or holds what is no pixel.
 cv::Mat FilledContour(const std::vector<cv::Point>& contour, const cv::Rect& box);
 
 /// For results that do not depend on the order of points.

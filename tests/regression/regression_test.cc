@@ -20,9 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Share, of the values that are drawn in either, that must be within kLevels: a line may be a
-/// pixel off along a fiftieth of what is drawn. Of all values of the image it would be next to
+/// pixel off along a hundredth of what is drawn. Of all values of the image it would be next to
 /// nothing.
-constexpr double kConformity = 0.98;
+constexpr double kConformity = 0.99;
 constexpr int kLevels = 2;
 /// Points may be off by so many px, and mm of height: rounding to a pixel, once.
 constexpr double kOff = 0.6;
