@@ -25,7 +25,7 @@ std::vector<cv::Point2d> RimPoints(const Quad& quad, int count);
 /// Where the body ends on each point's side of its centre: the farthest pixel of its contour within
 /// `cone_rad` of the direction from the centre to the point, less `inset_px`. A point closer to the
 /// centre than `central_px` has no side and stays, as does one with no contour on its side.
-/// @param contour its pixel (0, 0) is at `origin`.
+/// @param contour its pixel (0, 0) is at `origin`. @throws InputError if it holds what is no pixel.
 std::vector<cv::Point2d> EdgePoints(const std::vector<cv::Point>& contour, cv::Point origin,
                                     cv::Point2d centre, const std::vector<cv::Point2d>& points,
                                     double cone_rad, double inset_px, double central_px);

@@ -1,10 +1,12 @@
 #include "perception/view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "base/error.h"
+#include "perception/require.h"
 
 namespace gusset {
 namespace {
@@ -64,6 +66,9 @@ void CheckCamera(const CameraModel& camera) {
   if (!numbers_ok || pinhole.fx <= 0 || pinhole.fy <= 0 || pinhole.width <= 0 ||
       pinhole.height <= 0) {
     throw InputError("camera: fx, fy, width and height must be above 0, all numbers finite");
+  }
+  if (std::max(pinhole.fx, pinhole.fy) > kFarthest_px) {
+    throw InputError("camera: fx and fy must be at most a million pixels");
   }
 }
 

@@ -302,9 +302,8 @@ void SimScene::Restore(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   }
   Rebuild(state, robot);
   SeedNoise(sensor_seed);
-  look_ = Vary(NominalLook(), config_.variation,
-               Eigen::Vector2d(config_.world.cube_wait_m[0], config_.world.cube_wait_m[1]),
-               sensor_seed);
+  look_ =
+      Vary(NominalLook(), config_.variation, state.cube.X_WB.translation().head<2>(), sensor_seed);
   BagConfig bag = config_.bag;
   bag.labels_per_layer = look_.labels_per_layer;
   labels_ = MakeLabels(bag);

@@ -17,7 +17,7 @@ struct Mouth {
     double radius_m = 0;                     ///< Of the largest disc that finds room in it.
     double length_m = 0;                     ///< From end to end.
     std::array<Eigen::Vector3d, 2> sides_W;  ///< Its lips on either side of its middle.
-    bool closed = true;                      ///< False: its labels do not go round it.
+    bool closed = true;                      ///< False: part of what was measured is no mouth.
   };
   std::optional<Width> width = std::nullopt;
 

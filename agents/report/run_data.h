@@ -18,7 +18,8 @@ struct EvaluationData {
   std::string bag, start, pose;
   bool random = false;  ///< Of random choice instead of what the run learnt.
   int repeats = 0;      ///< Actions in one state before an episode was given up.
-  /// Settings other than the run's that it was measured by, joined by commas.
+  /// Settings other than the run's (of random choice: than the defaults) that it was measured by,
+  /// joined by commas.
   std::string overrides;
   int episodes = 0;
   int true_successes = 0;

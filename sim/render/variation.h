@@ -70,7 +70,7 @@ struct SceneLook {
 };
 
 /// One draw. The same look for the same arguments; `nominal` itself, to the bit, at amount 0.
-/// @param cube_m where on the table the cube waits (x, y; world frame): no clutter lies there.
+/// @param cube_m where the cube is (x, y; world frame): no clutter lies there.
 SceneLook Vary(const SceneLook& nominal, const VariationConfig& config,
                const Eigen::Vector2d& cube_m, std::uint64_t seed);
 

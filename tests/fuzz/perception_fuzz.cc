@@ -34,10 +34,13 @@ class Bytes {
   Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
 
   std::uint8_t Byte() { return at_ < size_ ? data_[at_++] : 0; }
-  int Below(int n) { return (Byte() * 256 + Byte()) % n; }
+  int Below(int n) {
+    const int high = Byte();  // in this order with every compiler, or no crash could be replayed
+    return (high * 256 + Byte()) % n;
+  }
   /// Any double, NaN and infinities included, or a number of pixels.
   double Number() {
-    if (Byte() % 8 != 0) return (Byte() * 256 + Byte()) / 64.0 - 100;
+    if (Byte() % 8 != 0) return Below(65536) / 64.0 - 100;
     double value = 0;
     std::uint8_t raw[sizeof value];
     for (std::uint8_t& byte : raw) byte = Byte();
@@ -179,7 +182,8 @@ void CallOne(Bytes bytes) {
     case 15: {
       const cv::Mat color = bytes.Image();
       const cv::Mat depth = bytes.Byte() % 2 == 0 ? bytes.Image() : cv::Mat();
-      (void)FindHem(color, depth, bytes.Image(), config);
+      const cv::Mat bag = bytes.Image();
+      (void)FindHem(color, depth, bag, config);
       return;
     }
     case 16: {

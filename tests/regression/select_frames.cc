@@ -95,6 +95,7 @@ void Select(int per_state, const std::vector<std::string>& corpora) {
   for (const std::string& corpus : corpora) {
     for (Chosen& one : ChooseFrom(corpus, per_state)) chosen.push_back(std::move(one));
   }
+  if (chosen.empty()) throw InputError("no frame to choose");
   const std::filesystem::path folder = StoredFramesFolder();
   std::filesystem::remove_all(folder);
   MakeFolder(folder);
@@ -117,8 +118,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    gusset::Select(std::atoi(argv[1]), {argv + 2, argv + argc});
-  } catch (const gusset::InputError& e) {
+    const int per_state = std::atoi(argv[1]);
+    if (per_state < 1) throw gusset::InputError("PER_STATE must be 1 or more");
+    gusset::Select(per_state, {argv + 2, argv + argc});
+  } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 2;
   }

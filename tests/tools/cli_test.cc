@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 
 #include "base/files.h"
@@ -340,6 +342,23 @@ TEST_F(Cli, BrokenCorporaAreRefusedWithFileAndLine) {
   ExpectRefused(corpus, "camera.json: X_WC[3] must be [0, 0, 0, 1]");
   Write("camera.json", "{\"width\": 0}");
   ExpectRefused(corpus, "camera.json: width = 0 is not within [1");
+}
+
+// Nobody waits for random actions to succeed: the bag is taken away, the cube lies beside.
+TEST_F(Cli, RendersClearedTablesOfWhichNoTwoAreAlike) {
+  const fs::path out = dir_ / "cleared";
+  ASSERT_EQ(Gusset("render --state s4 --count 3 --vary --out " + out.string()).code, 0);
+  std::istringstream lines(Slurp(out / "labels.jsonl"));
+  std::set<double> places;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json label = nlohmann::json::parse(line);
+    EXPECT_EQ(label.at("state"), "s4");
+    EXPECT_GT(label.at("cube_px").get<int>(), 0) << "in the frame";
+    EXPECT_GT(std::abs(label.at("cube_m")[0].get<double>()), 0.3) << "beside the region";
+    places.insert(label.at("cube_m")[0].get<double>());
+  }
+  EXPECT_EQ(places.size(), 3u);
+  EXPECT_TRUE(fs::exists(out / "s4_00000_masks.png"));
 }
 
 // Rendered bags laid flat, anywhere near the middle. 3 % is what a state may be off by.

@@ -39,6 +39,10 @@ TEST(Settings, AConfigsBagIsTakenWithItsName) {
   EXPECT_EQ(LoadSettings(common, {}).resolved, run.resolved);
   EXPECT_EQ(LoadSettings(common, {.bag = "bag2"}).resolved, run.resolved);
   EXPECT_THROW(LoadSettings(common, {.bag = "bag1"}), InputError);
+  const std::filesystem::path of_bag1 = folder.path() / "bag1.toml";
+  WriteFileAtomic(of_bag1, LoadSettings({}, {.bag = "bag1"}).resolved);
+  EXPECT_THROW(LoadSettings(common, {.base = of_bag1}), InputError) << "--config of bag2";
+  EXPECT_NO_THROW(LoadSettings(common, {.base = of_bag1, .bag = "bag2"}));
   common.config_files.clear();
   common.assignments = {"train.bag=bag2"};
   EXPECT_EQ(LoadSettings(common, {}).resolved, run.resolved);
@@ -51,6 +55,11 @@ TEST(ChangesBy, AreTheValuesThatDifferFromTheRuns) {
   common.assignments = {"sensor.color_sigma=1.50", "sensor.preset=clean", "train.steps=7"};
   EXPECT_EQ(ChangesBy(common, source, LoadSettings(common, source)),
             std::vector<std::string>{"sensor.preset = \"clean\""});
+  // Random choice acts with the bag that --config names; that is no change of its settings.
+  CommonOptions other;
+  other.assignments = {"train.bag=bag2", "pi.update=last", "train.affordances=false"};
+  EXPECT_EQ(ChangesBy(other, {}, LoadSettings(other, {})),
+            std::vector<std::string>{"train.affordances = false"});
   const TemporaryFolder folder;
   CommonOptions same;
   same.config_files = {(folder.path() / "config.toml").string()};

@@ -109,6 +109,7 @@ class RenderCommand final : public Command {
                          " episodes, still missing " + Missing() +
                          "; a trained --policy gets there more often");
         }
+        ThrowIfStopped();
         const auto index = static_cast<std::uint64_t>(episode);
         if (!ClearsAlone()) RunEpisodeOnce(environment, *agent, index, labels);
         if (state_ == "all" || ClearsAlone()) KeepCleared(environment, index, labels);

@@ -6,7 +6,9 @@
 
 #include <csignal>
 #include <iostream>
+#include <map>
 #include <opencv2/core/version.hpp>
+#include <set>
 
 #include "agents/affordances.h"
 #include "agents/json_fields.h"
@@ -161,6 +163,15 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   } else {
     settings.tree.Load(source.base);
     settings.tree.Read("train", settings.train);
+    const std::string used = bag.value_or(settings.train.bag);
+    ConfigTree given;
+    common.ReadInto(given);
+    TrainConfig asked = settings.train;
+    asked.bag = used;
+    given.Read("train", asked);
+    if (asked.bag != used) {
+      given.RefuseIfGiven("train.bag", "is not the bag " + used + " of --bag or the run");
+    }
     // A run's config holds its bag already, as --set may have changed it.
     if (bag == settings.train.bag) {
       bag.reset();
@@ -189,15 +200,30 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
   return settings;
 }
 
-std::vector<std::string> ChangesBy(const CommonOptions& common, const SettingsSource& source,
+std::vector<std::string> ChangesBy(const CommonOptions& common, SettingsSource source,
                                    const Settings& settings) {
   if (common.config_files.empty() && common.assignments.empty()) return {};
-  const auto plain = FlattenResolved(LoadSettings(CommonOptions(), source).resolved);
+  if (source.base.empty()) source.bag = settings.train.bag;
+  std::map<std::string, std::string> plain;
+  try {
+    plain = FlattenResolved(LoadSettings(CommonOptions(), source).resolved);
+  } catch (const InputError&) {  // which the options mend: they can but be named
+    std::vector<std::string> given;
+    for (const std::string& file : common.config_files) given.push_back("--config " + file);
+    for (const std::string& assignment : common.assignments) given.push_back("--set " + assignment);
+    return given;
+  }
+  std::set<std::string> of_training = {"train"};
+  Settings learners;
+  VisitLearners(learners, [&](const char* section, const auto&) { of_training.insert(section); });
   std::vector<std::string> changes;
   for (const auto& [key, value] : FlattenResolved(settings.resolved)) {
+    const bool acts =
+        key == "train.affordances" || !of_training.contains(key.substr(0, key.find('.')));
     const auto before = plain.find(key);
-    if (key.starts_with("train.") || (before != plain.end() && before->second == value)) continue;
-    changes.push_back(key + " = " + value);
+    if (acts && (before == plain.end() || before->second != value)) {
+      changes.push_back(key + " = " + value);
+    }
   }
   return changes;
 }

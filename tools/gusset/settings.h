@@ -72,9 +72,11 @@ Settings LoadSettings(const CommonOptions& common, const SettingsSource& source)
 /// @throws InputError as LoadSettings, for keys that nothing knows too.
 void RefuseUnknownKeys(ConfigTree& tree);
 
-/// What --config and --set change, as "section.key = value", of all that an evaluation depends on
-/// ([train] is of how a policy was learnt). @param settings of both. @throws as LoadSettings.
-std::vector<std::string> ChangesBy(const CommonOptions& common, const SettingsSource& source,
+/// What --config and --set change, as "section.key = value", of all that an evaluation depends on:
+/// not [train] nor the learners' sections, which say how a policy was learnt (but for
+/// train.affordances). The options as given where nothing can be loaded without them.
+/// @param settings of both.
+std::vector<std::string> ChangesBy(const CommonOptions& common, SettingsSource source,
                                    const Settings& settings);
 
 /// The file of a bag by name ("bag1") or path. @throws InputError listing the names there are.
