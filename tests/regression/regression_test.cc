@@ -58,9 +58,10 @@ cv::Mat InColour(const cv::Mat& drawing) {
 
 // Of the values that are drawn in either.
 double Conformity(const cv::Mat& drawing, const cv::Mat& golden) {
+  const cv::Mat seen = InColour(drawing), accepted = InColour(golden);
   cv::Mat off, either;
-  cv::absdiff(InColour(drawing), InColour(golden), off);
-  cv::bitwise_or(InColour(drawing), InColour(golden), either);
+  cv::absdiff(seen, accepted, off);
+  cv::bitwise_or(seen, accepted, either);
   const int differ = cv::countNonZero(off.reshape(1) > kLevels);
   const int drawn = cv::countNonZero(either.reshape(1));
   return drawn == 0 ? 1 : 1 - static_cast<double>(differ) / drawn;

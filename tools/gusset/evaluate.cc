@@ -59,7 +59,7 @@ class EvaluateCommand final : public Command {
     if (!out_.empty()) CheckResultFile(out_, "per_step");
     const SettingsSource source = SourceOf(policy_, bag_);
     const Settings settings = LoadSettings(common_, source);
-    overrides_ = ChangesBy(common_, source, settings);
+    const std::vector<std::string> overrides = ChangesBy(common_, source, settings);
     const std::unique_ptr<Agent> agent = LoadAgent(policy_, settings);
 
     // Also where none are kept: they would lie beside figures that they are not of.
@@ -76,14 +76,15 @@ class EvaluateCommand final : public Command {
         dump_ == "none" ? evaluate() : WithContactSheet(config.frames, evaluate);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
 
-    const nlohmann::ordered_json document = Document(settings, result, wall.count());
+    const nlohmann::ordered_json document = Document(settings, overrides, result, wall.count());
     if (!out_.empty()) WriteFileAtomic(out_, JsonText(document));
     json_ ? PrintJson(document) : PrintTable(result);
   }
 
  private:
-  nlohmann::ordered_json Document(const Settings& settings, const EvaluationResult& result,
-                                  double seconds_wall) const {
+  nlohmann::ordered_json Document(const Settings& settings,
+                                  const std::vector<std::string>& overrides,
+                                  const EvaluationResult& result, double seconds_wall) const {
     nlohmann::ordered_json per_step = nlohmann::ordered_json::array();
     for (const StateTally& tally : result.per_step) {
       per_step.push_back({{"attempts", tally.attempts},
@@ -98,7 +99,7 @@ class EvaluateCommand final : public Command {
             {"pose", start_.pose},
             {"episodes", episodes_},
             {"repeats", repeats_},
-            {"overrides", overrides_},
+            {"overrides", overrides},
             {"true_successes", result.true_successes},
             {"perceived_successes", result.perceived_successes},
             {"success_rate", static_cast<double>(result.true_successes) / episodes_},
@@ -130,7 +131,6 @@ class EvaluateCommand final : public Command {
   StartOption start_;
   std::string policy_;
   std::optional<std::string> bag_;
-  std::vector<std::string> overrides_;
   std::string out_;
   std::string dump_ = "none";
   int episodes_ = 50;
