@@ -151,27 +151,21 @@ void RefuseUnknownKeys(ConfigTree& tree) {
 Settings LoadSettings(const CommonOptions& common, const SettingsSource& source) {
   Settings settings;
   std::optional<std::string> bag = source.bag;
-  // A run's config.toml given to --config says which bag its [bag] is.
-  if (source.base.empty()) {
-    ConfigTree given;
-    common.ReadInto(given);
-    given.Read("train", settings.train);
-    if (bag && *bag != settings.train.bag) {
-      given.RefuseIfGiven("train.bag", "is not the bag " + *bag + " of --bag or --policy");
-    }
-    if (!bag) bag = settings.train.bag;
-  } else {
+  if (!source.base.empty()) {
     settings.tree.Load(source.base);
     settings.tree.Read("train", settings.train);
-    const std::string used = bag.value_or(settings.train.bag);
-    ConfigTree given;
-    common.ReadInto(given);
-    TrainConfig asked = settings.train;
-    asked.bag = used;
-    given.Read("train", asked);
-    if (asked.bag != used) {
-      given.RefuseIfGiven("train.bag", "is not the bag " + used + " of --bag or the run");
-    }
+  }
+  ConfigTree given;
+  common.ReadInto(given);
+  TrainConfig asked = settings.train;
+  given.Read("train", asked);
+  // A run's config.toml given to --config says which bag its [bag] is.
+  if (source.base.empty() && !bag) bag = asked.bag;
+  const std::string used = bag.value_or(settings.train.bag);
+  if (asked.bag != used) {
+    given.RefuseIfGiven("train.bag", "is not the bag " + used + " of --bag or --policy");
+  }
+  if (!source.base.empty()) {
     // A run's config holds its bag already, as --set may have changed it.
     if (bag == settings.train.bag) {
       bag.reset();
