@@ -52,6 +52,10 @@ const PosePoint& ChosenPoint(const Observation& seen, int point) {
   return points.at(static_cast<std::size_t>(point));
 }
 
+Eigen::Vector3d AlongRim(const Observation& seen) {
+  return seen.rim ? seen.rim->along_W : Eigen::Vector3d::UnitX();
+}
+
 std::optional<Mouth> MouthOf(const Observation& seen, const CameraModel& camera,
                              double table_height_m) {
   if (!seen.lips || !seen.rim) return std::nullopt;
@@ -187,10 +191,13 @@ Percept BaggingEnv::Begin(const Snapshot& snapshot, std::uint64_t sensor_seed) {
   return PerceptOf(before_);
 }
 
-bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
+Observation BaggingEnv::LookBetween(ToolMotion& tool) {
   tool.LeaveTheView();
-  const Observation seen =
-      Perceive(camera_.Look(), camera_.model(), config_.perception, thresholds_);
+  return Perceive(camera_.Look(), camera_.model(), config_.perception, thresholds_);
+}
+
+bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
+  const Observation seen = LookBetween(tool);
   switch (seen.state) {
     case State::kFolded:
       return false;
@@ -205,12 +212,57 @@ bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
   }
 }
 
+void BaggingEnv::ClearTheWay(ToolMotion& tool, const Observation& seen) {
+  if (!seen.cube || !seen.cube->in_roi || seen.cube->on_bag) return;
+  SetAside(tool, seen.cube->p_W, seen.cube->yaw_rad, OnTable(seen.bag_centroid), config_.pick_place,
+           config_.motion);
+}
+
+void BaggingEnv::PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold) {
+  const PickPlaceConfig& config = config_.pick_place;
+  for (int mended = 0;;) {
+    if (!acted_on_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
+    const std::optional<Mouth> mouth =
+        MouthOf(acted_on_, camera_.model(), config_.perception.table_height_m);
+    if (TakesTheCube(mouth, config)) {
+      if (mended > 0) tool.Note("then placed");
+      return PickPlace(tool, acted_on_.cube->p_W, acted_on_.cube->yaw_rad,
+                       ChosenPoint(acted_on_, point).p_W, mouth, config, config_.motion);
+    }
+    ClearTheWay(tool, acted_on_);
+    MendMouth(tool, *mouth, config, unfold, config_.scratch_drag, config_.motion);
+    if (++mended == config.mends) return;
+    Observation seen = LookBetween(tool);
+    if (seen.state != State::kOpen) return;
+    acted_on_ = std::move(seen);
+  }
+}
+
+void BaggingEnv::CloseAndCarry(ToolMotion& tool, int point) {
+  const CloseCarryConfig& config = config_.close_carry;
+  for (int dropped = 0;; ++dropped) {
+    const Eigen::Vector3d p_W = ChosenPoint(acted_on_, point).p_W;
+    const Eigen::Vector3d along_W = AlongRim(acted_on_);
+    const std::optional<Mouth> mouth =
+        MouthOf(acted_on_, camera_.model(), config_.perception.table_height_m);
+    if (dropped == config.lip_drops || !LipFalls(mouth, config)) {
+      const Eigen::Vector3d cube_W =
+          acted_on_.cube ? acted_on_.cube->p_W : OnTable(acted_on_.bag_centroid);
+      return CloseCarry(tool, p_W, along_W, mouth, cube_W, config, config_.scratch_drag,
+                        config_.grasp_lift, config_.motion);
+    }
+    DropLip(tool, p_W, along_W, *mouth, config, config_.scratch_drag, config_.motion);
+    Observation seen = LookBetween(tool);
+    if (seen.state != State::kFilled) return;
+    acted_on_ = std::move(seen);
+  }
+}
+
 std::string BaggingEnv::Perform(int point, int parameter) {
   const Eigen::Vector3d p_W = ChosenPoint(before_, point).p_W;
-  const Eigen::Vector3d along_W = before_.rim ? before_.rim->along_W : Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d bag_W = OnTable(before_.bag_centroid);
   const MotionConfig& motion = config_.motion;
-  const double table_m = config_.perception.table_height_m;
-  const std::optional<Mouth> mouth = MouthOf(before_, camera_.model(), table_m);
+  acted_on_ = before_;
   return PerformAndLeave(robot_, motion, [&](ToolMotion& tool) {
     const Unfold unfold = [&](const Eigen::Vector3d& from_W, const Eigen::Vector3d& centre_W,
                               int height) {
@@ -219,21 +271,20 @@ std::string BaggingEnv::Perform(int point, int parameter) {
     };
     switch (before_.state) {
       case State::kFolded:
-        return unfold(before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
-                      camera_.model().OntoPlane(before_.bag_centroid, table_m), parameter);
+        ClearTheWay(tool, before_);
+        return unfold(before_.edge_points.at(static_cast<std::size_t>(point)).p_W, bag_W,
+                      parameter);
       case State::kUnfolded:
+        ClearTheWay(tool, before_);
         return ScratchDrag(tool, p_W,
                            before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,
-                           along_W, config_.scratch_drag, motion);
+                           AlongRim(before_), config_.scratch_drag, motion);
       case State::kOpen:
-        if (!before_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
-        return PickPlace(tool, before_.cube->p_W, before_.cube->yaw_rad, p_W, mouth,
-                         config_.pick_place, unfold, config_.scratch_drag, motion);
+        return PlaceOrMend(tool, point, unfold);
       case State::kFilled:
-        return CloseCarry(tool, p_W, along_W, mouth,
-                          before_.cube ? before_.cube->p_W
-                                       : camera_.model().OntoPlane(before_.bag_centroid, table_m),
-                          config_.close_carry, config_.scratch_drag, config_.grasp_lift, motion);
+        // By the mouth, but not in it: this bag is not to be carried.
+        if (before_.cube && !before_.cube->on_bag) return ClearTheWay(tool, before_);
+        return CloseAndCarry(tool, point);
       default:
         throw std::logic_error("no action is afforded in s4 and s5");
     }
@@ -273,7 +324,6 @@ Outcome BaggingEnv::Act(int action) {
     if (pair != state) return Idle(pair, DecodeAction(pair, action));
   }
   const ActionChoice choice = DecodeAction(state, action);
-  const PosePoint& chosen = ChosenPoint(before_, choice.point);
   const double start_s = scene_.time_s();
 
   truth_before_ = referee_.Judge();
@@ -284,7 +334,8 @@ Outcome BaggingEnv::Act(int action) {
 
   Outcome outcome;
   outcome.next = PerceptOf(after_);
-  outcome.reward = Reward(before_, after_, thresholds_, chosen.px);
+  const PosePoint& chosen = ChosenPoint(acted_on_, choice.point);
+  outcome.reward = Reward(acted_on_, after_, thresholds_, chosen.px);
   // s4 and s5 count only after close + carry; a bag that left the ROI otherwise is lost.
   outcome.done = after_.state == State::kSuccess || after_.state == State::kFail;
   const bool carried = before_.state == State::kFilled;

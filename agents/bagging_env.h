@@ -82,11 +82,22 @@ class BaggingEnv final : public Environment {
  private:
   Percept PerceptOf(const Observation& observation) const;
   std::string Perform(int point, int parameter);
-  /// In the middle of an action: leaves the view, lets things settle, looks. False while pulls may
-  /// help: in s0, in s1 with less than GraspLiftConfig::flat_share of the bag in sight, in s2 with
-  /// a mouth in which the cube would not be placed.
+  /// In s2: places the cube, once the mouth has been mended if it needs to be.
+  void PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold);
+  /// In s3 with the cube in the mouth, or out of sight.
+  void CloseAndCarry(ToolMotion& tool, int point);
+  /// A cube on the table beside the bag would be under it as soon as the bag is moved.
+  void ClearTheWay(ToolMotion& tool, const Observation& seen);
+  /// In the middle of an action: leaves the view, lets things settle, looks.
+  Observation LookBetween(ToolMotion& tool);
+  /// Such a look. False while pulls may help: in s0, in s1 with less than
+  /// GraspLiftConfig::flat_share of the bag in sight, in s2 with a mouth in which the cube would
+  /// not be placed.
   bool LooksUnfolded(ToolMotion& tool);
   Outcome Idle(int pair, const ActionChoice& choice);
+  Eigen::Vector3d OnTable(const cv::Point2d& px) const {
+    return camera_.model().OntoPlane(px, config_.perception.table_height_m);
+  }
 
   ScenePort& scene_;
   CameraPort& camera_;
@@ -97,6 +108,7 @@ class BaggingEnv final : public Environment {
   Snapshot world_before_;
   RgbdFrame frame_before_, frame_after_;
   Observation before_, after_;
+  Observation acted_on_;  ///< What the action went by at last: before_, or a look in its middle.
   Truth truth_before_, truth_after_;
 };
 

@@ -51,6 +51,7 @@ struct CubeSeen {
   double yaw_rad = 0;                             ///< Of an edge about world z, in [-pi/4, pi/4).
   double area_px2 = 0;                            ///< Red pixels.
   bool in_roi = false;
+  bool on_bag = false;      ///< Amid its cloth, in it or on top; else it stands beside it.
   bool from_depth = false;  ///< False: taken to stand on the table.
 };
 

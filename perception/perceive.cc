@@ -259,7 +259,8 @@ Observation Perceive(const RgbdFrame& frame, const CameraModel& camera,
   evidence.cube_in_roi = observation.piece;
   evidence.cube_in_mouth = observation.piece && IsInMouth(*observation.cube, observation.labels,
                                                           CubeWidth(view, config));
-  evidence.cube_on_bag = observation.piece && IsOnBag(*observation.cube, bag, view);
+  if (observation.cube) observation.cube->on_bag = IsOnBag(*observation.cube, bag, view);
+  evidence.cube_on_bag = observation.cube && observation.cube->on_bag;
   evidence.labels_seen = static_cast<int>(observation.labels.size());
   evidence.A_bag = observation.A_bag;
   evidence.A_o = observation.A_o;

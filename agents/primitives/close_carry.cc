@@ -17,17 +17,18 @@ Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
          along * (aside - std::clamp(aside, -config.rim_aside_m, config.rim_aside_m));
 }
 
-// Brings the drawn lip to where the bag is to be grasped and presses it onto the other there. Let
-// go of, it springs back: the fingers open to gather both lips, but do not rise from it.
-void LayLipOver(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& grasp_W,
-                const Eigen::Vector3d& closing_W, const CloseCarryConfig& config,
-                const ScratchDragConfig& drag, const MotionConfig& motion) {
+bool AreApart(const Mouth& mouth, const CloseCarryConfig& config) {
+  return mouth.Apart_W().norm() >= config.lips_apart_m;
+}
+
+// Brings the drawn lip to over where the bag is to be grasped.
+void BringLip(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& grasp_W,
+              const Eigen::Vector3d& closing_W, const CloseCarryConfig& config,
+              const ScratchDragConfig& drag, const MotionConfig& motion) {
   const Eigen::Vector3d lip_W = mouth.drawn_W - config.lip_behind_m * mouth.Outward_W();
   const Eigen::Vector3d seized_W =
       SeizeLayer(tool, lip_W, grasp_W - lip_W, closing_W, drag, motion);
   BringLayer(tool, seized_W, grasp_W, drag);
-  tool.GoUntilContact(At(grasp_W, config.height_m), config.contact_force_N);
-  tool.Fingers(config.opening_m);
 }
 
 // Lays the bag out to the side of the table where the cube is not.
@@ -40,6 +41,21 @@ void LayDownAgain(ToolMotion& tool, const Eigen::Vector3d& cube_W, double closin
 
 }  // namespace
 
+bool LipFalls(const std::optional<Mouth>& mouth, const CloseCarryConfig& config) {
+  return config.lip_release_m > 0 && mouth && AreApart(*mouth, config);
+}
+
+void DropLip(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
+             const Mouth& mouth, const CloseCarryConfig& config, const ScratchDragConfig& drag,
+             const MotionConfig& motion) {
+  const Eigen::Vector3d over_W = AtTheRim(p_W, mouth, config);
+  ScratchDragConfig high = drag;
+  high.release_height_m = config.lip_release_m;
+  BringLip(tool, mouth, over_W, closing_W, config, high, motion);
+  tool.Fingers(drag.release_opening_m);
+  tool.Go(At(over_W, motion.approach_m), drag.rise_speed_m_s);
+}
+
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
                 const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W,
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,
@@ -47,8 +63,12 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
   const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
 
   // tau_close.
-  if (mouth && mouth->Apart_W().norm() >= config.lips_apart_m) {
-    LayLipOver(tool, *mouth, grasp, closing_W, config, drag, motion);
+  if (mouth && AreApart(*mouth, config) && config.lip_release_m == 0) {
+    // The fingers open to gather both lips, but do not rise from the upper one: it would spring
+    // back.
+    BringLip(tool, *mouth, grasp, closing_W, config, drag, motion);
+    tool.GoUntilContact(At(grasp, config.height_m), config.contact_force_N);
+    tool.Fingers(config.opening_m);
   } else {
     tool.Fingers(config.opening_m);
     tool.ApproachLevel(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), AngleOf(closing_W));

@@ -16,6 +16,9 @@ struct CloseCarryConfig {
   double lip_behind_m = 0.024;  ///< the drawn one, grasped so far behind where its labels are, so
                                 ///< that the fingers miss the cube before it, is pressed onto the
                                 ///< other where the bag is then grasped.
+  double lip_release_m = 0;     ///< > 0: it is let go of so high over it instead, and looked at.
+                                ///< Canvas springs back then, limp cloth does not.
+  int lip_drops = 2;            ///< So often at most.
   double rim_inset_m = 0;       ///< The bag is grasped no deeper than so far behind the near lip,
                                 ///< which is seen by its labels, 7 mm behind the edge ...
   double rim_aside_m = 0.03;    ///< ... and no farther aside from its middle.
@@ -37,6 +40,8 @@ struct CloseCarryConfig {
   void Fields(V& v) {
     v("lips_apart_m", lips_apart_m, Range{0, 1});
     v("lip_behind_m", lip_behind_m, Range{-0.05, 0.05});
+    v("lip_release_m", lip_release_m, Range{0, 0.1});
+    v("lip_drops", lip_drops, Range{1, 10});
     v("rim_inset_m", rim_inset_m, Range{0, 1});
     v("rim_aside_m", rim_aside_m, Range{0, 1});
     v("opening_m", opening_m, Range{0.01, 0.085});
@@ -52,6 +57,15 @@ struct CloseCarryConfig {
     v("behind_m", behind_m, Range{0, 0.2});
   }
 };
+
+/// Whether the mouth's lips are apart and its drawn lip is one to be dropped, not pressed.
+bool LipFalls(const std::optional<Mouth>& mouth, const CloseCarryConfig& config);
+
+/// Carries the drawn lip over the cube and lets it fall onto the near one, where a bag grasped at
+/// p_W would be grasped, and rises. The other parameters are those of CloseCarry.
+void DropLip(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
+             const Mouth& mouth, const CloseCarryConfig& config, const ScratchDragConfig& drag,
+             const MotionConfig& motion);
 
 /// Draws the mouth's lips together over what lies in it, closes the gripper on both at p_W, or
 /// beside it at the rim, lifts the bag and carries it to the waiting pose. There it is weighed: one

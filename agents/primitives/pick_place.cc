@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace gusset {
 namespace {
@@ -40,6 +41,20 @@ void LayFlat(const Mouth& mouth, const PickPlaceConfig& config, const Unfold& un
   unfold(mouth.near_W - config.grasp_inset_m * mouth.Outward_W(), mouth.drawn_W, kMiddle);
 }
 
+// tau_pick. @returns the height at which the cube is grasped.
+double Pick(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
+            const PickPlaceConfig& config, const MotionConfig& motion) {
+  // Never below 5 mm: the fingertips would press on the table.
+  const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);
+  tool.OpenFingers();
+  tool.Approach(At(cube_W, cube_W.z() + motion.approach_m), yaw_rad);
+  tool.Go(At(cube_W, held_z), motion.descend_speed_m_s);
+  const bool held = tool.Fingers(0) > config.held_opening_m;
+  tool.Go(At(cube_W, config.carry_height_m), motion.descend_speed_m_s);
+  if (!held) throw ToolMotion::Aborted("pick: nothing between the fingers");
+  return held_z;
+}
+
 }  // namespace
 
 bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& config) {
@@ -47,28 +62,20 @@ bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& conf
   return mouth->width->closed && !IsNarrow(*mouth->width, config);
 }
 
+void MendMouth(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
+               const Unfold& unfold, const ScratchDragConfig& scratch, const MotionConfig& motion) {
+  if (IsNarrow(*mouth.width, config) && mouth.width->length_m >= config.slit_m) {
+    tool.Note("mouth widened");
+    return Widen(tool, mouth, config, scratch, motion);
+  }
+  tool.Note("bag laid flat");
+  LayFlat(mouth, config, unfold);
+}
+
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const Unfold& unfold,
-               const ScratchDragConfig& scratch, const MotionConfig& motion) {
-  if (!TakesTheCube(mouth, config)) {
-    if (IsNarrow(*mouth->width, config) && mouth->width->length_m >= config.slit_m) {
-      tool.Note("mouth widened instead");
-      return Widen(tool, *mouth, config, scratch, motion);
-    }
-    tool.Note("bag laid flat instead");
-    return LayFlat(*mouth, config, unfold);
-  }
-  // Never below 5 mm: the fingertips would press on the table.
-  const double held_z = std::max(0.005, cube_W.z() - config.below_centre_m);
-
-  // tau_pick.
-  tool.OpenFingers();
-  tool.Approach(At(cube_W, cube_W.z() + motion.approach_m), yaw_rad);
-  tool.Go(At(cube_W, held_z), motion.descend_speed_m_s);
-  const bool held = tool.Fingers(0) > config.held_opening_m;
-  tool.Go(At(cube_W, config.carry_height_m), motion.descend_speed_m_s);
-  if (!held) throw ToolMotion::Aborted("pick: nothing between the fingers");
+               const PickPlaceConfig& config, const MotionConfig& motion) {
+  const double held_z = Pick(tool, cube_W, yaw_rad, config, motion);
 
   // mu_place, the fingers beside the cube as it slides, so that the cube leads.
   Eigen::Vector3d down_W = place_W;
@@ -84,6 +91,27 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
   const Eigen::Vector3d placed_W = tool.GoUntilContact(At(place_W, slide_z), config.slide_force_N);
   tool.Fingers(config.release_opening_m);
   tool.Go(At(placed_W, config.carry_height_m), config.rise_speed_m_s);
+}
+
+void SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
+              const Eigen::Vector3d& bag_W, const PickPlaceConfig& config,
+              const MotionConfig& motion) {
+  const Eigen::Vector3d yaw_W(std::cos(yaw_rad), std::sin(yaw_rad), 0);
+  const Eigen::Vector3d from_bag = At(cube_W - bag_W, 0);
+  const bool faces_it = std::abs(yaw_W.dot(from_bag)) > std::abs(LeftOf(yaw_W).dot(from_bag));
+  const Eigen::Vector3d aside_W(config.aside_m[0], config.aside_m[1], 0);
+  try {
+    const double held_z =
+        Pick(tool, cube_W, AngleOf(faces_it ? LeftOf(yaw_W) : yaw_W), config, motion);
+    tool.GoTilted(At(aside_W, config.carry_height_m), 0, 0, motion.travel_speed_m_s);
+    tool.GoUntilContact(At(aside_W, held_z), config.slide_force_N);
+    tool.Fingers(config.release_opening_m);
+    tool.Go(At(aside_W, config.carry_height_m), config.rise_speed_m_s);
+    tool.Note("cube set aside");
+  } catch (const ToolMotion::Aborted& aborted) {
+    tool.LetGoAndRise();
+    tool.Note(std::string("cube not set aside: ") + aborted.what());
+  }
 }
 
 }  // namespace gusset

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "agents/primitives/grasp_lift.h"
 #include "agents/primitives/mouth.h"
@@ -20,6 +21,7 @@ struct PickPlaceConfig {
   double widen_lift_m = 0.03;     ///< ... raised by so much, ...
   double grasp_inset_m = 0.008;   ///< ... grasped so far from its edge. Of a shorter one the rim is
                                   ///< folded: the bag is laid flat, to be opened anew.
+  int mends = 3;                  ///< So often in one action at most, with a look after each.
   double below_centre_m = 0.006;  ///< Fingertips this far below the cube's centre.
   double held_opening_m = 0.015;  ///< Fingers that close further than this hold nothing.
   double carry_height_m = 0.12;   ///< Over everything on the table.
@@ -30,6 +32,7 @@ struct PickPlaceConfig {
   double release_opening_m = 0.055;  ///< Enough for a 35 mm cube, without reaching the cloth.
   double lower_speed_m_s = 0.10;
   double rise_speed_m_s = 0.10;
+  std::vector<double> aside_m = {0.42, 0};  ///< Where a cube is put that is in the bag's way.
 
   template <class V>
   void Fields(V& v) {
@@ -39,6 +42,7 @@ struct PickPlaceConfig {
     v("back_deg", back_deg, Range{0, 90});
     v("widen_lift_m", widen_lift_m, Range{0.01, 0.25});
     v("grasp_inset_m", grasp_inset_m, Range{0, 0.05});
+    v("mends", mends, Range{1, 10});
     v("below_centre_m", below_centre_m, Range{-0.02, 0.03});
     v("held_opening_m", held_opening_m, Range{0, 0.08});
     v("carry_height_m", carry_height_m, Range{0.05, 0.3});
@@ -48,23 +52,35 @@ struct PickPlaceConfig {
     v("release_opening_m", release_opening_m, Range{0.01, 0.085});
     v("lower_speed_m_s", lower_speed_m_s, Range{0.01, 1});
     v("rise_speed_m_s", rise_speed_m_s, Range{0.01, 1});
+    v("aside_m", aside_m, Range{-0.6, 0.6});
   }
 };
 
-/// Whether PickPlace would place the cube in such a mouth rather than mend it; so it does where
-/// nothing is known of its width.
+/// Whether the cube is placed in such a mouth, rather than the mouth mended; so it is where nothing
+/// is known of its width.
 bool TakesTheCube(const std::optional<Mouth>& mouth, const PickPlaceConfig& config);
 
+/// Mends a mouth that does not take the cube: a long one is widened, a bag with a short one laid
+/// flat. So is one whose mouth has room, if a single lip is all that is seen of it.
+/// @param mouth its width is known. @param unfold lays the bag flat. @param scratch how a mouth is
+/// widened.
+void MendMouth(ToolMotion& tool, const Mouth& mouth, const PickPlaceConfig& config,
+               const Unfold& unfold, const ScratchDragConfig& scratch, const MotionConfig& motion);
+
 /// Picks the cube up, puts it down inside the mouth's near lip, slides it to place_W, under the
-/// layer that was drawn back rather than onto it, and lets go. The cube stays where it is if the
-/// mouth is too narrow for it: a long one is widened, a bag with a short one laid flat. So is one
-/// whose mouth has room, if a single lip is all that is seen of it.
+/// layer that was drawn back rather than onto it, and lets go.
 /// @param cube_W  centre of the cube. @param yaw_rad  of one of its edges about z.
 /// @param mouth  none if rim or lips are not seen: then the cube comes down at place_W.
-/// @param unfold lays the bag flat. @param scratch how a mouth is widened.
 void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
-               const PickPlaceConfig& config, const Unfold& unfold,
-               const ScratchDragConfig& scratch, const MotionConfig& motion);
+               const PickPlaceConfig& config, const MotionConfig& motion);
+
+/// Picks up a cube that stands beside the bag, by the two sides that do not face it, and puts it
+/// down at config.aside_m. Where that does not work it is let go of and left. Never throws
+/// ToolMotion::Aborted.
+/// @param bag_W the bag's middle.
+void SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
+              const Eigen::Vector3d& bag_W, const PickPlaceConfig& config,
+              const MotionConfig& motion);
 
 }  // namespace gusset

@@ -156,7 +156,6 @@ std::string PerformAndLeave(RobotPort& robot, const MotionConfig& config,
     action(tool);
     add(tool.note());
   } catch (const ToolMotion::Aborted& aborted) {
-    // A mouth that was to be widened instead of filled was not filled, either.
     add(tool.note());
     add(aborted.what());
     tool.LetGoAndRise();

@@ -5,7 +5,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "agents/ports/robot_port.h"
 #include "base/config.h"
@@ -117,8 +116,8 @@ class ToolMotion {
   /// What pulls or pushes at the tool now, N, as felt in the joints; at rest, the weight of what is
   /// held.
   double FeltForce() { return robot_.Read().tool_force_N; }
-  /// For the log: what was done instead of what was meant, in a few words.
-  void Note(std::string note) { note_ = std::move(note); }
+  /// For the log: what was done instead of what was meant, or before it, in a few words.
+  void Note(const std::string& note) { note_ += (note_.empty() ? "" : "; ") + note; }
   const std::string& note() const { return note_; }
   /// Opens the fingers and goes straight up out of the cloth, as far as that works; never throws.
   void LetGoAndRise();

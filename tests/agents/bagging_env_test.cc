@@ -492,6 +492,62 @@ TEST_F(BaggingEnvTest, PickPlaceTakesTheCubeWhereItIsSeenToThePlacePoint) {
   EXPECT_NEAR((path.back() - env_.before().place_points[5].p_W).head<2>().norm(), 0, 1e-12);
 }
 
+TEST_F(BaggingEnvTest, ACubeBesideTheBagIsSetAsideBeforeTheBagIsMoved) {
+  config_.pick_place.room_m = 1;  // every mouth is narrow
+  const Eigen::Vector2d aside(config_.pick_place.aside_m.data());
+  for (const int state : {0, 1, 2}) {
+    for (const cv::Point2d px : {cv::Point2d(430, 300), cv::Point2d(562, 240)}) {
+      rig_.cube_beside_px = px;
+      BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+      ASSERT_EQ(env.Begin(std::to_string(state), 5).state, state);
+      const Outcome outcome = env.Act(4);
+      const bool in_the_way = px.x < 500;
+      EXPECT_EQ(std::string(outcome.log["note"]).starts_with("cube set aside"), in_the_way);
+      const std::vector<Eigen::Vector3d> path = Path();
+      EXPECT_GT(path.size(), 6u) << "nothing else was done in s" << state;
+      const Eigen::Vector2d cube = env.before().cube->p_W.head<2>();
+      EXPECT_EQ((path.front().head<2>() - cube).norm() < 1e-9, in_the_way);
+      if (!in_the_way) continue;
+      const std::vector<Eigen::Vector3d> held = HeldPath();
+      ASSERT_GE(held.size(), 2u);
+      EXPECT_NEAR((held[1].head<2>() - aside).norm(), 0, 1e-9);
+      EXPECT_GT(held[1].z(), 0.1) << "dragged through the bag";
+    }
+  }
+}
+
+TEST_F(BaggingEnvTest, ACubeBesideTheMouthIsSetAsideInsteadOfCarryingTheBagWithoutIt) {
+  // Before the rim, and in the mouth.
+  for (const cv::Point2d px :
+       {cv::Point2d(270, 126), cv::Point2d(330, 126), cv::Point2d(320, 170)}) {
+    rig_.cube_in_mouth_px = px;
+    const Outcome outcome = Act(3, 40, 3);
+    const bool in_mouth = px.y > 160;
+    EXPECT_EQ(env_.before().cube->on_bag, in_mouth);
+    EXPECT_EQ(outcome.log["note"], in_mouth ? "" : "cube set aside");
+    if (in_mouth) continue;
+    // The fingers come down on either side of the way from the bag to the cube.
+    const auto closed = std::ranges::find_if(rig_.moves, [](const Move& move) {
+      return move.kind == Move::kFingers && move.value == 0;
+    });
+    ASSERT_TRUE(closed != rig_.moves.end());
+    const Eigen::Vector3d from_bag =
+        env_.before().cube->p_W - rig_.model().OntoPlane(env_.before().bag_centroid, 0);
+    EXPECT_LT(std::abs(closed->X_WT.linear().col(0).head<2>().dot(from_bag.head<2>().normalized())),
+              std::sqrt(0.5));
+  }
+}
+
+TEST_F(BaggingEnvTest, ACubeThatCannotBeSetAsideIsLeftAndTheActionGoesOn) {
+  rig_.cube_beside_px = {430, 300};
+  rig_.cube_between_fingers = false;
+  const Outcome outcome = Act(0, 4, 0);
+  EXPECT_EQ(outcome.log["note"], "cube not set aside: pick: nothing between the fingers");
+  const Eigen::Vector2d edge = env_.before().edge_points[0].p_W.head<2>();
+  EXPECT_TRUE(std::ranges::any_of(
+      Path(), [&](const Eigen::Vector3d& p) { return (p.head<2>() - edge).norm() < 1e-9; }));
+}
+
 TEST_F(BaggingEnvTest, PickPlaceSlidesTheCubeInFromTheNearLip) {
   for (const int point : {0, 4, 8}) {
     (void)Act(2, point, 3);
@@ -533,7 +589,7 @@ TEST_F(BaggingEnvTest, PickPlaceWidensANarrowMouthAndLeavesTheCubeWhereItIs) {
     config_.pick_place.room_m = room;
     BaggingEnv env(rig_, rig_, rig_, rig_, config_);
     (void)env.Begin("2", 5);
-    const bool widened = env.Act(5).log["note"] == "mouth widened instead";
+    const bool widened = env.Act(5).log["note"] == "mouth widened";
     EXPECT_EQ(widened, room > radius_m);
     double nearest = 1;
     for (const Eigen::Vector3d& p : Path()) {
@@ -551,7 +607,7 @@ TEST_F(BaggingEnvTest, PickPlaceLaysABagWithAShortNarrowMouthFlatByItsNearLip) {
     config_.pick_place.slit_m = slit;
     BaggingEnv env(rig_, rig_, rig_, rig_, config_);
     (void)env.Begin("2", 5);
-    const bool laid_flat = env.Act(5).log["note"] == "bag laid flat instead";
+    const bool laid_flat = env.Act(5).log["note"] == "bag laid flat";
     EXPECT_EQ(laid_flat, slit > length_m);
     const Eigen::Vector2d near = env.before().lips->near.p_W.head<2>();
     const double aside = (HeldPath().front().head<2>() - near).norm();
@@ -572,7 +628,28 @@ TEST_F(BaggingEnvTest, PickPlaceLaysABagFlatWhoseLabelsDoNotGoRoundAMouth) {
     rig_.corner_folded = folded;
     (void)env.Begin("2", 5);
     ASSERT_GT(env.before().width->radius_px, 0.018 * synthetic::kPxPerMetre);
-    EXPECT_EQ(env.Act(5).log["note"] == "bag laid flat instead", folded);
+    EXPECT_EQ(env.Act(5).log["note"] == "bag laid flat", folded);
+  }
+}
+
+TEST_F(BaggingEnvTest, PickPlaceLooksAfterItHasMendedTheMouthAndPlacesIfThereIsRoom) {
+  config_.pick_place.room_m = 0.017;
+  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+  rig_.next = 2;
+  for (const bool heals : {true, false}) {
+    rig_.corner_folded = true;
+    rig_.corner_unfolds = heals;
+    (void)env.Begin("2", 5);
+    const int mends = heals ? 1 : config_.pick_place.mends;
+    std::string note;
+    for (int k = 0; k < mends; ++k) note += std::string(k > 0 ? "; " : "") + "bag laid flat";
+    const Outcome outcome = env.Act(5);
+    EXPECT_EQ(outcome.log["note"], note + (heals ? "; then placed" : ""));
+    // Where the look after the mending has the place point.
+    const Eigen::Vector3d seen_W = env.after().place_points[5].p_W;
+    const double off = (Path().back() - seen_W).head<2>().norm();
+    EXPECT_EQ(off < 1e-9, heals);
+    EXPECT_EQ(outcome.log["point_m"][0], seen_W.x());
   }
 }
 
@@ -602,7 +679,7 @@ TEST_F(BaggingEnvTest, PickPlaceDrawsTheInnerSideOfANarrowMouthAwayFromTheOther)
     BaggingEnv env(rig_, rig_, rig_, rig_, config_);
     rig_.moves.clear();
     (void)env.Begin("2", 5);
-    ASSERT_EQ(env.Act(5).log["note"], "mouth widened instead");
+    ASSERT_EQ(env.Act(5).log["note"], "mouth widened");
     const std::vector<Eigen::Vector3d> path = HeldPath();
     const Eigen::Vector2d grasp = inner + config_.pick_place.grasp_inset_m * way;
     EXPECT_NEAR((path.front().head<2>() - grasp).norm(), 0, 1e-9);
@@ -692,6 +769,39 @@ TEST_F(BaggingEnvTest, CloseCarryFirstDrawsTheLipsTogetherIfTheyAreApart) {
   const Eigen::Vector2d grasped = path[0].head<2>();
   const double behind = (lips.drawn.p_W.head<2>() - grasped).dot(apart.normalized());
   EXPECT_GE(behind, 0.011);
+}
+
+TEST_F(BaggingEnvTest, CloseCarryLetsALimpLipFallFromAboveTheCubeAndLooks) {
+  const double release_m = config_.close_carry.lip_release_m = 0.05;
+  BaggingEnv env(rig_, rig_, rig_, rig_, config_);
+  for (const bool carried : {true, false}) {
+    // The drawn bag's lips stay apart: dropped as often as may be, then it is carried. Not if the
+    // cube is not seen in the mouth any more.
+    rig_.next = carried ? 3 : 2;
+    ASSERT_EQ(env.Begin("3", 5).state, 3);
+    (void)env.Act(4);
+    int looks = 0, closings = 0;
+    std::vector<Eigen::Vector3d> let_go;
+    bool held = false;
+    for (const Move& move : rig_.moves) {
+      looks += move.kind == Move::kWaitingPose;
+      if (move.kind != Move::kFingers) continue;
+      closings += move.value == 0;
+      if (held && move.value > 0) let_go.push_back(move.X_WT.translation());
+      held = move.value == 0;
+    }
+    const int drops = carried ? config_.close_carry.lip_drops : 1;
+    EXPECT_EQ(closings, drops + (carried ? 1 : 0));
+    EXPECT_EQ(held, carried);
+    // The look at the action's end is another; a carried bag is weighed there first.
+    EXPECT_EQ(looks, drops + (carried ? 2 : 1));
+    ASSERT_EQ(let_go.size(), static_cast<std::size_t>(drops));
+    const Eigen::Vector2d near = env.before().lips->near.p_W.head<2>();
+    for (const Eigen::Vector3d& p : let_go) {
+      EXPECT_NEAR(p.z(), release_m, 1e-12);
+      EXPECT_LT((p.head<2>() - near).norm(), 1.01 * config_.close_carry.rim_aside_m);
+    }
+  }
 }
 
 TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {

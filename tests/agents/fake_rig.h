@@ -29,7 +29,8 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   int unchanged_looks = 0;  ///< So often the arm leaves the view without the world becoming `next`.
   int refuse_at = -1;       ///< Index of the move (fingers not counted) that is refused ...
   MoveEnd refusal = MoveEnd::kUnreachable;
-  bool corner_folded = false;        ///< In s2, with both layers.
+  bool corner_folded = false;        ///< In s2, with both layers ...
+  bool corner_unfolds = false;       ///< ... until the arm has left the view.
   bool cube_between_fingers = true;  ///< Whatever it is: the pads do not meet ...
   double nothing_beyond_m = 1e9;     ///< ... unless they are so far from the table's middle.
   double cloth_between_fingers_m = 0.005;
@@ -66,10 +67,11 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     // In s3 in the mouth, off its middle; in s5 on the canvas; else where it waits.
     if (state == 3) DrawCube(frame, cube_in_mouth_px);
     if (state == 5) DrawCube(frame, {300, 250});
-    if (state < 3) DrawCube(frame, {562, 240}, 0.3);
+    if (state < 3) DrawCube(frame, cube_beside_px, 0.3);
     return frame;
   }
   cv::Point2d cube_in_mouth_px{320, 170};
+  cv::Point2d cube_beside_px{562, 240};
 
   MoveResult MoveTo(const Eigen::Isometry3d& X_WT, double speed) override {
     const Eigen::Vector3d left(0.44 + X_WT.translation().y(), -X_WT.translation().x(), 0);
@@ -92,6 +94,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   MoveResult MoveToWaitingPose() override {
     const auto left = std::ranges::count(moves, Move::kWaitingPose, &Move::kind);
     if (left >= unchanged_looks) state = next;
+    if (corner_unfolds) corner_folded = false;
     return Note({Move::kWaitingPose, X_WT_, 0});
   }
   double MoveGripper(double opening_m, double, double) override {
@@ -100,7 +103,7 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
     const bool between =
         cube_between_fingers && X_WT_.translation().head<2>().norm() <= nothing_beyond_m;
     if (opening_m != 0 || !between) return opening_m;
-    return state == 2 ? 0.035 : cloth_between_fingers_m;
+    return state == 2 || IsAtCube() ? 0.035 : cloth_between_fingers_m;
   }
   void Wait(double seconds) override { time_s_ += seconds; }
   RobotReading Read() override { return {{}, {}, X_WT_, weight_N, 0}; }
@@ -110,6 +113,11 @@ class FakeRig final : public ScenePort, public CameraPort, public RobotPort, pub
   int LayersHeld() override { return truth.layers_held; }
 
  private:
+  bool IsAtCube() const {
+    const Eigen::Vector3d cube_W =
+        camera_.OntoPlane(state == 3 ? cube_in_mouth_px : cube_beside_px, 0.035);
+    return (X_WT_.translation() - cube_W).head<2>().norm() < 0.01;
+  }
   MoveResult Note(const Move& move) {
     int index = 0;
     for (const Move& earlier : moves) index += earlier.kind != Move::kFingers;
