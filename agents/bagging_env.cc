@@ -212,10 +212,10 @@ bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
   }
 }
 
-void BaggingEnv::ClearTheWay(ToolMotion& tool, const Observation& seen) {
-  if (!seen.cube || !seen.cube->in_roi || seen.cube->on_bag) return;
-  SetAside(tool, seen.cube->p_W, seen.cube->yaw_rad, OnTable(seen.bag_centroid), config_.pick_place,
-           config_.motion);
+bool BaggingEnv::ClearTheWay(ToolMotion& tool, const Observation& seen) {
+  if (!seen.cube || !seen.cube->in_roi || seen.cube->on_bag) return false;
+  return SetAside(tool, seen.cube->p_W, seen.cube->yaw_rad, OnTable(seen.bag_centroid),
+                  config_.pick_place, config_.motion);
 }
 
 void BaggingEnv::PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold) {
@@ -225,13 +225,15 @@ void BaggingEnv::PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold) 
     const std::optional<Mouth> mouth =
         MouthOf(acted_on_, camera_.model(), config_.perception.table_height_m);
     if (TakesTheCube(mouth, config)) {
+      PickPlace(tool, acted_on_.cube->p_W, acted_on_.cube->yaw_rad,
+                ChosenPoint(acted_on_, point).p_W, mouth, config, config_.motion);
       if (mended > 0) tool.Note("then placed");
-      return PickPlace(tool, acted_on_.cube->p_W, acted_on_.cube->yaw_rad,
-                       ChosenPoint(acted_on_, point).p_W, mouth, config, config_.motion);
+      return;
     }
     ClearTheWay(tool, acted_on_);
     MendMouth(tool, *mouth, config, unfold, config_.scratch_drag, config_.motion);
-    if (++mended == config.mends) return;
+    // The look after the last is the action's own.
+    if (++mended >= config.mends) return;
     Observation seen = LookBetween(tool);
     if (seen.state != State::kOpen) return;
     acted_on_ = std::move(seen);
@@ -240,14 +242,16 @@ void BaggingEnv::PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold) 
 
 void BaggingEnv::CloseAndCarry(ToolMotion& tool, int point) {
   const CloseCarryConfig& config = config_.close_carry;
+  Eigen::Vector3d cube_W = OnTable(before_.bag_centroid);
   for (int dropped = 0;; ++dropped) {
+    // By the mouth, but not in it: this bag is not to be carried.
+    if (ClearTheWay(tool, acted_on_)) return;
+    if (acted_on_.cube) cube_W = acted_on_.cube->p_W;
     const Eigen::Vector3d p_W = ChosenPoint(acted_on_, point).p_W;
     const Eigen::Vector3d along_W = AlongRim(acted_on_);
     const std::optional<Mouth> mouth =
         MouthOf(acted_on_, camera_.model(), config_.perception.table_height_m);
-    if (dropped == config.lip_drops || !LipFalls(mouth, config)) {
-      const Eigen::Vector3d cube_W =
-          acted_on_.cube ? acted_on_.cube->p_W : OnTable(acted_on_.bag_centroid);
+    if (dropped >= config.lip_drops || !LipFalls(mouth, config)) {
       return CloseCarry(tool, p_W, along_W, mouth, cube_W, config, config_.scratch_drag,
                         config_.grasp_lift, config_.motion);
     }
@@ -282,8 +286,6 @@ std::string BaggingEnv::Perform(int point, int parameter) {
       case State::kOpen:
         return PlaceOrMend(tool, point, unfold);
       case State::kFilled:
-        // By the mouth, but not in it: this bag is not to be carried.
-        if (before_.cube && !before_.cube->on_bag) return ClearTheWay(tool, before_);
         return CloseAndCarry(tool, point);
       default:
         throw std::logic_error("no action is afforded in s4 and s5");

@@ -84,10 +84,12 @@ class BaggingEnv final : public Environment {
   std::string Perform(int point, int parameter);
   /// In s2: places the cube, once the mouth has been mended if it needs to be.
   void PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold);
-  /// In s3 with the cube in the mouth, or out of sight.
+  /// In s3: carries the bag, its lip laid over first where that is to fall, or puts away a cube
+  /// that is seen beside it.
   void CloseAndCarry(ToolMotion& tool, int point);
   /// A cube on the table beside the bag would be under it as soon as the bag is moved.
-  void ClearTheWay(ToolMotion& tool, const Observation& seen);
+  /// @returns whether there was one and it is away now.
+  bool ClearTheWay(ToolMotion& tool, const Observation& seen);
   /// In the middle of an action: leaves the view, lets things settle, looks.
   Observation LookBetween(ToolMotion& tool);
   /// Such a look. False while pulls may help: in s0, in s1 with less than

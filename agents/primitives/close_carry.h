@@ -67,7 +67,8 @@ void DropLip(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d
              const Mouth& mouth, const CloseCarryConfig& config, const ScratchDragConfig& drag,
              const MotionConfig& motion);
 
-/// Draws the mouth's lips together over what lies in it, closes the gripper on both at p_W, or
+/// Draws the mouth's lips together over what lies in it (unless the drawn one is to fall: DropLip
+/// comes before this), closes the gripper on both at p_W, or
 /// beside it at the rim, lifts the bag and carries it to the waiting pose. There it is weighed: one
 /// too light to have the cube in it is laid down on the table again and let go.
 /// @param closing_W horizontal direction along which the fingers close where the tool is not

@@ -93,7 +93,7 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
   tool.Go(At(placed_W, config.carry_height_m), config.rise_speed_m_s);
 }
 
-void SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
+bool SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
               const Eigen::Vector3d& bag_W, const PickPlaceConfig& config,
               const MotionConfig& motion) {
   const Eigen::Vector3d yaw_W(std::cos(yaw_rad), std::sin(yaw_rad), 0);
@@ -106,11 +106,13 @@ void SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
     tool.GoTilted(At(aside_W, config.carry_height_m), 0, 0, motion.travel_speed_m_s);
     tool.GoUntilContact(At(aside_W, held_z), config.slide_force_N);
     tool.Fingers(config.release_opening_m);
-    tool.Go(At(aside_W, config.carry_height_m), config.rise_speed_m_s);
     tool.Note("cube set aside");
+    tool.Go(At(aside_W, config.carry_height_m), config.rise_speed_m_s);
+    return true;
   } catch (const ToolMotion::Aborted& aborted) {
     tool.LetGoAndRise();
     tool.Note(std::string("cube not set aside: ") + aborted.what());
+    return false;
   }
 }
 

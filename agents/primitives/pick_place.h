@@ -21,7 +21,7 @@ struct PickPlaceConfig {
   double widen_lift_m = 0.03;     ///< ... raised by so much, ...
   double grasp_inset_m = 0.008;   ///< ... grasped so far from its edge. Of a shorter one the rim is
                                   ///< folded: the bag is laid flat, to be opened anew.
-  int mends = 3;                  ///< So often in one action at most, with a look after each.
+  int mends = 3;                  ///< So often in one action at most; after each it looks.
   double below_centre_m = 0.006;  ///< Fingertips this far below the cube's centre.
   double held_opening_m = 0.015;  ///< Fingers that close further than this hold nothing.
   double carry_height_m = 0.12;   ///< Over everything on the table.
@@ -75,11 +75,11 @@ void PickPlace(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
                const Eigen::Vector3d& place_W, const std::optional<Mouth>& mouth,
                const PickPlaceConfig& config, const MotionConfig& motion);
 
-/// Picks up a cube that stands beside the bag, by the two sides that do not face it, and puts it
-/// down at config.aside_m. Where that does not work it is let go of and left. Never throws
-/// ToolMotion::Aborted.
-/// @param bag_W the bag's middle.
-void SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
+/// Picks up a cube that stands beside the bag, by the two sides that face the bag's middle least,
+/// and puts it down at config.aside_m. Where that does not work it is let go of, and the arm rises.
+/// Never throws ToolMotion::Aborted.
+/// @param bag_W the bag's middle. @returns whether it worked.
+bool SetAside(ToolMotion& tool, const Eigen::Vector3d& cube_W, double yaw_rad,
               const Eigen::Vector3d& bag_W, const PickPlaceConfig& config,
               const MotionConfig& motion);
 

@@ -541,6 +541,10 @@ TEST_F(BaggingEnvTest, ACubeBesideTheMouthIsSetAsideInsteadOfCarryingTheBagWitho
 TEST_F(BaggingEnvTest, ACubeThatCannotBeSetAsideIsLeftAndTheActionGoesOn) {
   rig_.cube_beside_px = {430, 300};
   rig_.cube_between_fingers = false;
+  rig_.cube_in_mouth_px = {330, 126};
+  const std::string carried = Act(3, 40, 3).log["note"];
+  EXPECT_TRUE(carried.starts_with("cube not set aside: pick: nothing between the fingers"));
+  EXPECT_GT(Path().size(), 6u) << "the bag was left, too";
   const Outcome outcome = Act(0, 4, 0);
   EXPECT_EQ(outcome.log["note"], "cube not set aside: pick: nothing between the fingers");
   const Eigen::Vector2d edge = env_.before().edge_points[0].p_W.head<2>();
@@ -635,21 +639,35 @@ TEST_F(BaggingEnvTest, PickPlaceLaysABagFlatWhoseLabelsDoNotGoRoundAMouth) {
 TEST_F(BaggingEnvTest, PickPlaceLooksAfterItHasMendedTheMouthAndPlacesIfThereIsRoom) {
   config_.pick_place.room_m = 0.017;
   BaggingEnv env(rig_, rig_, rig_, rig_, config_);
-  rig_.next = 2;
+  (void)env.Begin("2", 5);
+  const Observation healed = env.before();
   for (const bool heals : {true, false}) {
     rig_.corner_folded = true;
     rig_.corner_unfolds = heals;
+    // Once in laying it flat, once after that: filled when the arm leaves for the third time.
+    rig_.unchanged_looks = heals ? 2 : 100;
+    rig_.next = 3;
     (void)env.Begin("2", 5);
     const int mends = heals ? 1 : config_.pick_place.mends;
     std::string note;
     for (int k = 0; k < mends; ++k) note += std::string(k > 0 ? "; " : "") + "bag laid flat";
     const Outcome outcome = env.Act(5);
     EXPECT_EQ(outcome.log["note"], note + (heals ? "; then placed" : ""));
-    // Where the look after the mending has the place point.
-    const Eigen::Vector3d seen_W = env.after().place_points[5].p_W;
-    const double off = (Path().back() - seen_W).head<2>().norm();
-    EXPECT_EQ(off < 1e-9, heals);
-    EXPECT_EQ(outcome.log["point_m"][0], seen_W.x());
+    EXPECT_EQ(outcome.next.state, heals ? 3 : 2);
+    if (!heals) {
+      EXPECT_EQ(outcome.reward, 0);
+      continue;
+    }
+    // Where the look after the mending has the place point, and paid for that mouth.
+    const Eigen::Vector3d place_W = healed.place_points[5].p_W;
+    EXPECT_NEAR((Path().back() - place_W).head<2>().norm(), 0, 1e-9);
+    EXPECT_EQ(outcome.log["point_m"][0], place_W.x());
+    const auto paid = [&](const Observation& mouth) {
+      const double off = cv::norm(env.after().cube->px - mouth.opening_centre.px);
+      return std::max(0.0, 1 - off / mouth.opening_radius_px);
+    };
+    ASSERT_GT(std::abs(paid(healed) - paid(env.before())), 0.01);
+    EXPECT_NEAR(outcome.reward, paid(healed), 1e-9);
   }
 }
 
