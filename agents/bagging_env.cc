@@ -205,11 +205,14 @@ bool BaggingEnv::LooksUnfolded(ToolMotion& tool) {
       return seen.A_bag >= config_.grasp_lift.flat_share * thresholds_.A_flat;
     case State::kOpen:
       // Folded so that both lips show, a bag has a mouth that it would have to be rid of first.
-      return TakesTheCube(MouthOf(seen, camera_.model(), config_.perception.table_height_m),
-                          config_.pick_place);
+      return TakesTheCube(MouthIn(seen), config_.pick_place);
     default:
       return true;  // it lies on the cube or is gone: not for this pair to mend
   }
+}
+
+std::optional<Mouth> BaggingEnv::MouthIn(const Observation& seen) const {
+  return MouthOf(seen, camera_.model(), config_.perception.table_height_m);
 }
 
 bool BaggingEnv::ClearTheWay(ToolMotion& tool, const Observation& seen) {
@@ -222,8 +225,7 @@ void BaggingEnv::PlaceOrMend(ToolMotion& tool, int point, const Unfold& unfold) 
   const PickPlaceConfig& config = config_.pick_place;
   for (int mended = 0;;) {
     if (!acted_on_.cube) throw ToolMotion::Aborted("pick: no cube in sight");
-    const std::optional<Mouth> mouth =
-        MouthOf(acted_on_, camera_.model(), config_.perception.table_height_m);
+    const std::optional<Mouth> mouth = MouthIn(acted_on_);
     if (TakesTheCube(mouth, config)) {
       PickPlace(tool, acted_on_.cube->p_W, acted_on_.cube->yaw_rad,
                 ChosenPoint(acted_on_, point).p_W, mouth, config, config_.motion);
@@ -249,8 +251,7 @@ void BaggingEnv::CloseAndCarry(ToolMotion& tool, int point) {
     if (acted_on_.cube) cube_W = acted_on_.cube->p_W;
     const Eigen::Vector3d p_W = ChosenPoint(acted_on_, point).p_W;
     const Eigen::Vector3d along_W = AlongRim(acted_on_);
-    const std::optional<Mouth> mouth =
-        MouthOf(acted_on_, camera_.model(), config_.perception.table_height_m);
+    const std::optional<Mouth> mouth = MouthIn(acted_on_);
     if (dropped >= config.lip_drops || !LipFalls(mouth, config)) {
       return CloseCarry(tool, p_W, along_W, mouth, cube_W, config, config_.scratch_drag,
                         config_.grasp_lift, config_.motion);
@@ -263,8 +264,6 @@ void BaggingEnv::CloseAndCarry(ToolMotion& tool, int point) {
 }
 
 std::string BaggingEnv::Perform(int point, int parameter) {
-  const Eigen::Vector3d p_W = ChosenPoint(before_, point).p_W;
-  const Eigen::Vector3d bag_W = OnTable(before_.bag_centroid);
   const MotionConfig& motion = config_.motion;
   acted_on_ = before_;
   return PerformAndLeave(robot_, motion, [&](ToolMotion& tool) {
@@ -276,11 +275,11 @@ std::string BaggingEnv::Perform(int point, int parameter) {
     switch (before_.state) {
       case State::kFolded:
         ClearTheWay(tool, before_);
-        return unfold(before_.edge_points.at(static_cast<std::size_t>(point)).p_W, bag_W,
-                      parameter);
+        return unfold(before_.edge_points.at(static_cast<std::size_t>(point)).p_W,
+                      OnTable(before_.bag_centroid), parameter);
       case State::kUnfolded:
         ClearTheWay(tool, before_);
-        return ScratchDrag(tool, p_W,
+        return ScratchDrag(tool, ChosenPoint(before_, point).p_W,
                            before_.place_points.at(static_cast<std::size_t>(parameter)).p_W,
                            AlongRim(before_), config_.scratch_drag, motion);
       case State::kOpen:

@@ -97,6 +97,7 @@ class BaggingEnv final : public Environment {
   /// not be placed.
   bool LooksUnfolded(ToolMotion& tool);
   Outcome Idle(int pair, const ActionChoice& choice);
+  std::optional<Mouth> MouthIn(const Observation& seen) const;
   Eigen::Vector3d OnTable(const cv::Point2d& px) const {
     return camera_.model().OntoPlane(px, config_.perception.table_height_m);
   }
