@@ -383,6 +383,26 @@ struct World::Impl {
     return false;
   }
 
+  // Asleep once nothing has gone anywhere for a while. Nodes that contact throws to and fro on the
+  // spot are at rest.
+  void FallAsleep(bool moves_nothing) {
+    const Vec3Array& x = cloth.state().x;
+    const auto near_start = [&] {
+      float sum = 0;
+      for (std::size_t i = 0; i < x.size(); ++i) sum += (x[i] - rest_from[i]).squaredNorm();
+      return std::sqrt(sum / static_cast<float>(x.size())) <
+             config.rest_speed_m_s * config.rest_time_s;
+    };
+    const bool rests = rest_from.size() == x.size() && near_start() &&
+                       FromBullet(cube->getLinearVelocity()).norm() < config.rest_speed_m_s &&
+                       (moves_nothing || !(cloth.holding() || cube_hold || SomethingNear()));
+    rest = rests ? rest + h : 0;
+    if (rest == 0) rest_from = x;
+    if (rest < config.rest_time_s) return;
+    Check();
+    asleep = true;
+  }
+
   void Check() const {
     const float speed = cloth.MaxSpeed();
     const Eigen::Vector3d p = FromBullet(cube->getWorldTransform().getOrigin());
@@ -426,6 +446,7 @@ struct World::Impl {
   double hold_force = 0;
   double time = 0;
   double rest = 0;
+  Vec3Array rest_from;  // where nodes were when `rest` was last 0
   double held_clear = 0;
   bool clear = false;  // the bag is held, the cube inside, both high enough
   bool asleep = false;
@@ -455,10 +476,12 @@ void World::SetState(const WorldState& state) {
   impl_->bounds_stale = true;
   SetCube(state.cube);
   impl_->hold_force = state.hold_force_N;
-  impl_->rest = state.rest_s;
+  // How far nodes have moved in a rest that had but begun is not known.
+  impl_->asleep = impl_->config.rest_speed_m_s > 0 && state.rest_s >= impl_->config.rest_time_s;
+  impl_->rest = impl_->asleep ? state.rest_s : 0;
+  impl_->rest_from.clear();
   impl_->held_clear = state.held_clear_s;
   impl_->clear = state.held_clear_s > 0;
-  impl_->asleep = state.rest_s >= impl_->config.rest_time_s;
   if (state.cube_held) impl_->GrabCube(state.X_TCube);
   impl_->cloth_solver.updateSoftBodies();
 }
@@ -476,7 +499,7 @@ WorldState World::state() const {
   s.cube_held = cube_held();
   s.X_TCube = impl_->X_TCube;
   s.hold_force_N = impl_->hold_force;
-  s.rest_s = impl_->rest;
+  s.rest_s = impl_->asleep ? impl_->rest : 0;
   s.held_clear_s = impl_->held_clear;
   return s;
 }
@@ -498,6 +521,7 @@ void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_openi
         w.force_ring[(w.steps + w.force_ring.size() - 1) % w.force_ring.size()];
     return;
   }
+  if (w.asleep) w.rest = 0;
   w.asleep = false;
   w.bounds_stale = true;
   w.cube_before = FromBullet(w.cube->getWorldTransform()).cast<float>();
@@ -526,11 +550,7 @@ void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_openi
   }
   w.held_clear = w.clear ? w.held_clear + w.h : 0;
   if (w.steps % kCheckEvery == 0) w.Check();
-  const bool slow = w.cloth.RmsSpeed() < w.config.rest_speed_m_s &&
-                    FromBullet(w.cube->getLinearVelocity()).norm() < w.config.rest_speed_m_s &&
-                    (!holding || at_rest) && (at_rest || !w.SomethingNear());
-  w.rest = slow ? w.rest + w.h : 0;
-  w.asleep = w.rest >= w.config.rest_time_s;
+  w.FallAsleep(at_rest);
 }
 
 void World::Settle(double seconds) {

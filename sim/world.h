@@ -26,7 +26,7 @@ struct WorldState {
   bool cube_held = false;
   Eigen::Isometry3d X_TCube = Eigen::Isometry3d::Identity();  ///< While held.
   double hold_force_N = 0;
-  double rest_s = 0;        ///< How long everything has been slow.
+  double rest_s = 0;        ///< How long everything has been at rest; 0 unless asleep.
   double held_clear_s = 0;  ///< See Truth.
 };
 

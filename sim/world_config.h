@@ -14,9 +14,12 @@ struct WorldConfig {
   std::vector<double> cube_wait_m = {0.42, 0.0};  ///< Where it waits, on the table.
   double pad_width_m = 0.022;                     ///< 2F-85 manual: pads of 22 x 37.5 mm.
   double pad_height_m = 0.0375;
-  double pad_friction = 0.7;      ///< Rubber on cloth and cube.
-  double rest_speed_m_s = 0.003;  ///< Cube and cloth (root mean square) slower than this ...
-  double rest_time_s = 0.15;      ///< ... for so long: the world sleeps until something comes near.
+  double pad_friction = 0.7;  ///< Rubber on cloth and cube.
+  /// The world sleeps until something comes near once, for rest_time_s, the cube has been slower
+  /// than this and the cloth's nodes have stayed as near to where they were (root mean square) as
+  /// this brings them in that time. 0: never.
+  double rest_speed_m_s = 0.003;
+  double rest_time_s = 0.15;
   /// Of a link from the cloth's mid-surface; at 1 m/s it moves 1.7 mm in a substep of 1/600 s.
   double wake_distance_m = 0.0025;
 

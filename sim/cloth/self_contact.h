@@ -7,27 +7,25 @@
 #include "sim/cloth/bag_mesh.h"
 #include "sim/cloth/cloth_types.h"
 #include "sim/cloth/motion_forecast.h"
+#include "sim/cloth/pair_memory.h"
 #include "sim/cloth/pair_search.h"
 
 namespace gusset {
 
-/// Contact of a cloth with itself: node against triangle and edge against edge,
-/// one thickness apart, with Coulomb friction, and the guarantee that nothing
-/// passes through anything.
+/// Contact of a cloth with itself: node against triangle and edge against edge, one thickness
+/// apart, with Coulomb friction, and the guarantee that nothing passes through anything.
 ///
-/// A substep starts from a configuration without crossings, so the vector
-/// between a pair's closest points tells its sides; no memory of sides is
-/// needed. A plane perpendicular to that vector bounds the pair's motion: while
-/// all nodes of one element stay on one side of it and all of the other on the
-/// other, the elements cannot have crossed. What Gauss-Seidel cannot separate
-/// moves as one rigid zone (Bridson et al. 2002, section 7.4), which keeps the
-/// start's distances and so always succeeds.
+/// A substep starts from a configuration without crossings, so the vector between a pair's closest
+/// points tells its sides; no memory of sides is needed. A plane perpendicular to that vector
+/// bounds the pair's motion: while all nodes of one element stay on one side of it and all of the
+/// other on the other, the elements cannot have crossed. What Gauss-Seidel cannot separate moves as
+/// one rigid zone (Bridson et al. 2002, section 7.4), which keeps the start's distances and so
+/// always succeeds.
 ///
-/// Two forecasts of the nodes' motion save work. A far one says for which pairs
-/// the search has to look, a near one which of them need a plane now; both are
-/// checked in every substep, and a node that does not keep to its forecast
-/// makes for a new one (the displacement bounds of Chen et al. 2025, "Offset
-/// Geometric Contact", made to follow the motion).
+/// Two forecasts of the nodes' motion save work. A far one says for which pairs the search has to
+/// look, a near one which of them need a plane now; both are checked in every substep, and a node
+/// that does not keep to its forecast makes for a new one (the displacement bounds of Chen et al.
+/// 2025, "Offset Geometric Contact", made to follow the motion).
 class SelfContact {
  public:
   SelfContact(const ClothMesh& mesh, float friction);
@@ -37,15 +35,13 @@ class SelfContact {
   /// Start of a substep of h seconds at x, where Enforce left it unless Invalidate was called
   /// since, with velocities v so far.
   void Prepare(const Vec4Array& x, const Vec4Array& v, float h, float separation_m);
-  /// One Gauss-Seidel pass: pushes pairs apart to one thickness and applies
-  /// friction.
+  /// One Gauss-Seidel pass: pushes pairs apart to one thickness and applies friction.
   void Solve(const Vec4Array& x_prev, const std::vector<float>& inv_mass, Vec4Array& x);
   /// After the substep, with the velocities v that came of it: notes how much contacts slipped, and
   /// where layers were pushed apart because they were closer than a thickness, takes the speed of
   /// that from them, or a lump of cloth would never come to rest.
   void EndSubstep(const std::vector<float>& inv_mass, float h, Vec4Array& v);
-  /// Last word of a substep: after it, no pair has crossed between x_prev and
-  /// x.
+  /// Last word of a substep: after it, no pair has crossed between x_prev and x.
   /// @param floor_m lowest height a node's centre may have.
   void Enforce(const Vec4Array& x_prev, const std::vector<float>& inv_mass, float h, float floor_m,
                Vec4Array& x);
@@ -67,9 +63,14 @@ class SelfContact {
     float gap_m = 0;   ///< Along the normal between the weighted points, at the substep's start;
                        ///< kept up to date for contacts that carry force.
     float kept_m = 0;  ///< What the contact keeps its elements apart; 0: watched for crossing only.
-    float target_m = 0;  ///< As much of that as may be gained in this substep.
+    float goal_m =
+        0;  ///< What it should keep as cloth lay when selected: kept_m goes there slowly.
+    float target_m = 0;  ///< As much of kept_m as may be gained in this substep.
     std::array<std::uint16_t, 2> element = {};  ///< As ElementPair's.
     bool edges = false;
+    std::uint64_t pair() const {
+      return std::uint64_t{edges} << 32 | std::uint64_t{element[0]} << 16 | element[1];
+    }
   };
   /// What is looked at in every substep, of eight contacts, side by side: a third of their bytes.
   struct alignas(32) Planes {
@@ -84,6 +85,7 @@ class SelfContact {
     std::array<std::array<std::uint16_t, kLanes8>, 4> node;  ///< [corner][lane]
   };
 
+  void ForgetForecasts();
   void Search(const Vec4Array& x, const Vec4Array& v);
   void Select(const Vec4Array& x, const Vec4Array& v);
   template <bool edges>
@@ -115,6 +117,7 @@ class SelfContact {
   Sieve<ElementPair> node_triangle_, edge_edge_;  ///< What may meet within far_.
   std::vector<Contact> contacts_;  ///< What may meet within near_; first those that carry force.
   std::size_t force_count_ = 0;
+  PairMemory kept_;  ///< What contacts that carried force kept before the last selection.
   std::vector<std::uint64_t> pushed_;  ///< Bit i: contact i pushed in this substep.
   Vec4Array slipped_;  ///< How far each contact that carries force has slipped, as remembered.
   std::vector<float> most_slipped_m_;  ///< What friction could take back of that.

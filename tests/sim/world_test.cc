@@ -129,6 +129,37 @@ TEST(World, AFlatBagFallsAsleepAndThenStaysAsItIs) {
   EXPECT_EQ(scene.world.cloth().state().x, before);
 }
 
+// How far nodes moved before the snapshot is not in it.
+TEST(World, ARestThatHadButBegunBeginsAnewInARestoredWorld) {
+  Scene lying;
+  lying.world.Settle(3);
+  WorldState state = lying.world.state();
+  ASSERT_TRUE(Scene(state).world.asleep());
+  const double rest_time_s = WorldConfig().rest_time_s;
+  state.rest_s = 0.9 * rest_time_s;
+  Scene scene(state);
+  scene.world.Settle(0.5 * rest_time_s);
+  EXPECT_FALSE(scene.world.asleep());
+  scene.world.Settle(rest_time_s);
+  EXPECT_TRUE(scene.world.asleep());
+}
+
+// What slides is awake for as long as friction takes to stop it, and the rest's time on top.
+TEST(World, ABagThatSlidesFallsAsleepOnceItHasStopped) {
+  constexpr float kSpeed_m_s = 1.5f;
+  Scene lying;
+  lying.world.Settle(3);
+  WorldState state = lying.world.state();
+  for (Vec3f& v : state.cloth.v) v = Vec3f(kSpeed_m_s, 0, 0);
+  state.rest_s = 0;
+  Scene scene(state);
+  int steps = 0;
+  for (; steps < 3000 && !scene.world.asleep(); ++steps) scene.Steps(1);
+  const double slides_s = kSpeed_m_s / (BagConfig().friction_table * kGravity_m_s2);
+  EXPECT_GT(steps * scene.world.step_s(), slides_s + 0.9 * WorldConfig().rest_time_s);
+  EXPECT_LT(steps * scene.world.step_s(), slides_s + 1);
+}
+
 // The hand with its fingers wide open.
 std::vector<Eigen::Isometry3d> OpenHandAt(const Eigen::Vector3d& p_W) {
   return HandAt(Iiwa(), p_W, Iiwa().max_opening_m());
