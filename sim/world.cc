@@ -383,9 +383,14 @@ struct World::Impl {
     return false;
   }
 
+  // Whether the arm, at rest or moving, leaves cloth and cube alone.
+  bool LeavesThingsAlone(bool at_rest) const {
+    return at_rest || !(cloth.holding() || cube_hold || SomethingNear());
+  }
+
   // Asleep once nothing has gone anywhere for a while. Nodes that contact throws to and fro on the
   // spot are at rest.
-  void FallAsleep(bool moves_nothing) {
+  void FallAsleep(bool at_rest) {
     const Vec3Array& x = cloth.state().x;
     const auto near_start = [&] {
       float sum = 0;
@@ -395,7 +400,7 @@ struct World::Impl {
     };
     const bool rests = rest_from.size() == x.size() && near_start() &&
                        FromBullet(cube->getLinearVelocity()).norm() < config.rest_speed_m_s &&
-                       (moves_nothing || !(cloth.holding() || cube_hold || SomethingNear()));
+                       LeavesThingsAlone(at_rest);
     rest = rests ? rest + h : 0;
     if (rest == 0) rest_from = x;
     if (rest < config.rest_time_s) return;
@@ -514,8 +519,7 @@ void World::Step(const std::vector<Eigen::Isometry3d>& X_WL, double finger_openi
   w.time += w.h;
   w.opening = finger_opening_m;
   w.MoveLinks(X_WL, false);
-  const bool holding = w.cloth.holding() || w.cube_hold;
-  if (w.asleep && (at_rest || (!holding && !w.SomethingNear()))) {
+  if (w.asleep && w.LeavesThingsAlone(at_rest)) {
     if (w.clear) w.held_clear += w.h;
     w.force_ring[w.steps % w.force_ring.size()] =
         w.force_ring[(w.steps + w.force_ring.size() - 1) % w.force_ring.size()];

@@ -194,9 +194,9 @@ void SelfContact::SelectFrom(const Sieve<ElementPair>& pairs, const Vec4Array& x
   }
   for (std::size_t i = 0; i < picked_.size(); ++i) {
     const Contact& c = picked_[i];
-    const float most_kept_m = std::max(c.kept_m, c.goal_m);
-    if (c.gap_m > approach_m_[i] + std::max(most_kept_m, thickness_m_ * kGuardedShare)) continue;
-    (most_kept_m > 0 ? contacts_ : guards_).push_back(c);
+    const float reach_m = std::max({c.kept_m, c.goal_m, thickness_m_ * kGuardedShare});
+    if (c.gap_m > approach_m_[i] + reach_m) continue;
+    (c.kept_m > 0 ? contacts_ : guards_).push_back(c);
   }
 }
 

@@ -63,8 +63,7 @@ class SelfContact {
     float gap_m = 0;   ///< Along the normal between the weighted points, at the substep's start;
                        ///< kept up to date for contacts that carry force.
     float kept_m = 0;  ///< What the contact keeps its elements apart; 0: watched for crossing only.
-    float goal_m =
-        0;  ///< What it should keep as cloth lay when selected: kept_m goes there slowly.
+    float goal_m = 0;  ///< What kept_m slowly goes to, by how cloth lay when selected.
     float target_m = 0;  ///< As much of kept_m as may be gained in this substep.
     std::array<std::uint16_t, 2> element = {};  ///< As ElementPair's.
     bool edges = false;
