@@ -44,6 +44,7 @@ class Agent {
   /// call from several threads between two calls of Learn.
   virtual Decision Act(int state, std::span<const double> features, int n_actions, Mode mode,
                        Rng& rng) const = 0;
+  /// Called by one thread at a time, not always the same.
   virtual void Learn(const Transition& transition) = 0;
   /// Everything learnt, for a person to read and for Load. Load(Save()) changes nothing.
   virtual nlohmann::json Save() const = 0;

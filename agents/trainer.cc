@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
-#include <limits>
 #include <map>
+#include <mutex>
 #include <numeric>
 #include <optional>
 
 #include "agents/json_fields.h"
 #include "agents/outcome_fields.h"
+#include "agents/training_progress.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/random.h"
@@ -43,132 +45,44 @@ struct Plan {
   }
 };
 
-// One action done.
-struct Trial {
+// What plan comes so many after the one whose turn it is; none if there are no more.
+using NextPlan = std::function<std::optional<Plan>(int ahead)>;
+
+// Where an action begins. Nothing that the agent learns changes it.
+struct Situation {
   nlohmann::ordered_json from;  // what the world was made from, for replays
+  Snapshot snapshot;            // that world
   std::uint64_t sensor_seed = 0;
   std::uint64_t agent_seed = 0;
   Percept percept;
-  Mode mode = Mode::kExplore;
-  Decision decision;
+};
+
+// What the agent, as it was, did there.
+struct Result {
+  std::optional<Decision> decision;
   Outcome outcome;
   FrameWriter frames;        // only if they are to be kept
   double wall_s = 0;         // from the snapshot on: world, looks, physics
-  bool looked = false;       // percept is known
   std::exception_ptr error;  // why there is no outcome
 };
 
-// All that changes while a run goes on, but for the agent.
-struct Progress {
-  int actions = 0;
-  int extra = 0;
-  std::vector<int> learnt;              // steps per state
-  std::vector<int> extra_for;           // extra actions that filled each state's pool
-  std::vector<std::vector<int>> pools;  // snapshot ids by the state seen
-  std::vector<int> source_size;         // of the pool before, when filling began; -1: not yet
-  std::vector<int> frozen_size;         // of the pool, when its state's training began; -1: not yet
-  int episode = 0;                      // "chain" only, as all below
-  int episode_actions = 0;
-  int current = -1;      // snapshot id; -1: a new start is due
-  int last_learnt = -1;  // number of the last action that was learnt from; both protocols
-  double sim_s = 0;
-  std::uint64_t steps_bytes = 0;
-  std::uint64_t progress_bytes = 0;
-  std::vector<double> recent;  // the last rewards
+struct Trial {
+  Mode mode = Mode::kExplore;
+  Situation at;
+  bool seen = false;  // the bag is in the plan's state there
+  Result result;
+};
 
-  explicit Progress(std::size_t states)
-      : learnt(states),
-        extra_for(states),
-        pools(states),
-        source_size(states, -1),
-        frozen_size(states, -1) {}
-
-  nlohmann::json Save() const {
-    return {{"actions", actions},
-            {"extra", extra},
-            {"learnt", learnt},
-            {"extra_for", extra_for},
-            {"pools", pools},
-            {"source_size", source_size},
-            {"frozen_size", frozen_size},
-            {"episode", episode},
-            {"current", current},
-            {"last_learnt", last_learnt},
-            {"episode_actions", episode_actions},
-            {"sim_s", sim_s},
-            {"steps_bytes", steps_bytes},
-            {"progress_bytes", progress_bytes},
-            {"recent", recent}};
-  }
-
-  void Load(const nlohmann::json& saved) {
-    // Through JsonField, which names what is missing and refuses numbers that do not fit.
-    const auto get = [&](const char* key, auto& value) { value = Field(value, saved, key); };
-    const std::size_t states = learnt.size();
-    get("actions", actions);
-    get("extra", extra);
-    get("learnt", learnt);
-    get("extra_for", extra_for);
-    get("pools", pools);
-    get("source_size", source_size);
-    get("frozen_size", frozen_size);
-    get("episode", episode);
-    get("episode_actions", episode_actions);
-    get("current", current);
-    get("last_learnt", last_learnt);
-    get("sim_s", sim_s);
-    get("steps_bytes", steps_bytes);
-    get("progress_bytes", progress_bytes);
-    get("recent", recent);
-    for (const std::size_t size :
-         {learnt.size(), extra_for.size(), pools.size(), source_size.size(), frozen_size.size()}) {
-      if (size != states) throw InputError("is for another number of states");
-    }
-    CheckBounds();
-  }
-
- private:
-  template <class T>
-  static T Field(const T&, const nlohmann::json& object, const std::string& key) {
-    return JsonField<T>(object, key);
-  }
-  template <class T>
-  static std::vector<T> Field(const std::vector<T>&, const nlohmann::json& object,
-                              const std::string& key) {
-    std::vector<T> values;
-    for (const nlohmann::json& element : JsonField<nlohmann::json::array_t>(object, key)) {
-      const std::string name = key + "[" + std::to_string(values.size()) + "]";
-      values.push_back(Field(T(), {{name, element}}, name));
-    }
-    return values;
-  }
-
-  // Of what is used as an index or a count.
-  void CheckBounds() const {
-    const auto within = [](const std::string& name, int value, int lo, int hi) {
-      if (value >= lo && value <= hi) return;
-      throw InputError(name + " = " + std::to_string(value) + " is not within [" +
-                       std::to_string(lo) + ", " + std::to_string(hi) + "]");
-    };
-    constexpr int kMost = std::numeric_limits<int>::max();
-    within("actions", actions, 0, kMost);
-    if (sim_s < 0) throw InputError("sim_s is below 0");
-    within("extra", extra, 0, actions);
-    within("episode", episode, 0, actions);
-    within("episode_actions", episode_actions, 0, actions);
-    within("current", current, -1, actions - 1);
-    within("last_learnt", last_learnt, -1, actions - 1);
-    for (std::size_t s = 0; s < learnt.size(); ++s) {
-      const std::string at = "[" + std::to_string(s) + "]";
-      const int size = static_cast<int>(pools[s].size());
-      within("learnt" + at, learnt[s], 0, actions);
-      within("extra_for" + at, extra_for[s], 0, extra);
-      for (const int id : pools[s]) within("pools" + at, id, 0, actions - 1);
-      within("source_size" + at, source_size[s], -1,
-             s == 0 ? -1 : static_cast<int>(pools[s - 1].size()));
-      if (frozen_size[s] != -1) within("frozen_size" + at, frozen_size[s], 1, size);
-    }
-  }
+// Plans that workers perform together, each in its turn, and what they have tried before its turn.
+struct LookAhead {
+  struct Item {
+    enum class Stage { kWaiting, kRunning, kDone } stage = Stage::kWaiting;
+    Plan plan;
+    Trial trial;
+  };
+  NextPlan next;
+  std::map<int, Item> items = {};  // by their plans' indices
+  bool over = false;
 };
 
 class Trainer {
@@ -181,7 +95,8 @@ class Trainer {
         folder_(folder),
         stop_(stop),
         n_actions_(ActionCounts(workers)),
-        progress_(n_actions_.size()) {
+        progress_(n_actions_.size()),
+        furthest_(workers.jobs() > 1 ? 2 * workers.jobs() : 1) {
     Resume();
     steps_.emplace(folder.steps(), progress_.steps_bytes);
     csv_.emplace(folder.progress(), progress_.progress_bytes);
@@ -274,7 +189,9 @@ class Trainer {
     if (source_size < 0) source_size = static_cast<int>(progress_.pools[At(s - 1)].size());
     Perform([&](int ahead) -> std::optional<Plan> {
       const int missing = config_.pool_min - static_cast<int>(pool.size());
-      if (missing <= 0 || progress_.extra + ahead >= config_.max_extra_actions) return std::nullopt;
+      // What may not be needed is tried only where a worker would have nothing else to do.
+      if (missing <= 0 || ahead >= std::max(missing, workers_.jobs())) return std::nullopt;
+      if (progress_.extra + ahead >= config_.max_extra_actions) return std::nullopt;
       return Plan{s - 1, true, progress_.extra_for[At(s)] + ahead, source_size};
     });
     if (pool.empty()) {
@@ -289,59 +206,103 @@ class Trainer {
   }
 
   // Performs the plans that next(0) gives, one after the other, until it gives none. Meanwhile the
-  // plans after it are tried too, with the agent as it is now; a try counts if the agent, when its
-  // turn comes, decides the same.
-  void Perform(const std::function<std::optional<Plan>(int ahead)>& next) {
-    std::map<int, Trial> tried;  // by index
-    while (const std::optional<Plan> plan = next(0)) {
-      CheckStop();
-      if (const auto it = tried.find(plan->index); it != tried.end()) {
-        if (Holds(it->second)) Commit(*plan, it->second);
-        tried.erase(it);
-        continue;
+  // plans after it are tried too, with the agent as it is then. A try counts if the agent, when its
+  // turn comes, decides the same; else it is made anew, from the same situation.
+  void Perform(NextPlan next) {
+    if (!next(0)) return;
+    LookAhead look_ahead{std::move(next)};
+    workers_.Run(std::vector<Workers::Task>(
+        At(workers_.jobs()), [&](Environment& environment) { Work(environment, look_ahead); }));
+  }
+
+  // What each worker does: commits what has been done, and then does what nobody does yet. Under
+  // the lock, but for what happens in its world.
+  void Work(Environment& environment, LookAhead& look_ahead) {
+    std::unique_lock lock(mutex_);
+    try {
+      while (!look_ahead.over && !workers_.failed()) {
+        CommitDone(look_ahead);
+        look_ahead.over = !look_ahead.next(0);
+        if (look_ahead.over) break;
+        CheckStop();
+        LookAhead::Item* const mine = FirstWaiting(look_ahead);
+        if (mine == nullptr) {
+          changed_.wait(lock);
+          continue;
+        }
+        mine->stage = LookAhead::Item::Stage::kRunning;
+        lock.unlock();
+        try {
+          TryPlan(environment, mine->plan, mine->trial);
+        } catch (...) {
+          mine->trial.result.error = std::current_exception();
+        }
+        lock.lock();
+        mine->stage = LookAhead::Item::Stage::kDone;
       }
-      // Twice as many as workers, since some take ten times as long as others.
-      const int ahead = workers_.jobs() > 1 ? 2 * workers_.jobs() : 1;
-      std::vector<Workers::Task> tasks;
-      for (int i = 0; static_cast<int>(tasks.size()) < ahead && i < 2 * ahead; ++i) {
-        const std::optional<Plan> later = next(i);
-        if (!later) break;
-        if (tried.contains(later->index)) continue;
-        Trial& trial = tried[later->index];
-        tasks.push_back([this, plan = *later, &trial](Environment& environment) {
-          try {
-            Try(environment, plan, trial);
-          } catch (...) {
-            trial.error = std::current_exception();
-          }
-        });
-      }
-      workers_.Run(tasks);
+    } catch (...) {
+      look_ahead.over = true;
+      changed_.notify_all();
+      throw;
     }
+    changed_.notify_all();
+  }
+
+  // Commits what has been tried, in turn, up to the first that has not or has to be tried again.
+  void CommitDone(LookAhead& look_ahead) {
+    while (const std::optional<Plan> plan = look_ahead.next(0)) {
+      const auto it = look_ahead.items.find(plan->index);
+      if (it == look_ahead.items.end()) return;
+      LookAhead::Item& item = it->second;
+      if (item.stage != LookAhead::Item::Stage::kDone) return;
+      CheckStop();
+      if (Holds(item.trial)) {
+        Commit(*plan, item.trial);
+        look_ahead.items.erase(it);
+      } else {
+        item.trial.result = {};
+        item.stage = LookAhead::Item::Stage::kWaiting;
+      }
+      changed_.notify_all();
+    }
+  }
+
+  // Of the plans whose turn comes next the first that nobody has tried.
+  LookAhead::Item* FirstWaiting(LookAhead& look_ahead) const {
+    for (int ahead = 0; ahead < furthest_; ++ahead) {
+      const std::optional<Plan> plan = look_ahead.next(ahead);
+      if (!plan) return nullptr;
+      LookAhead::Item& item = look_ahead.items[plan->index];
+      item.plan = *plan;
+      if (item.stage == LookAhead::Item::Stage::kWaiting) return &item;
+    }
+    return nullptr;
   }
 
   // True if the agent, as it is now, decides as it did when the trial was made.
   bool Holds(Trial& trial) const {
-    if (trial.looked) {
+    if (trial.result.decision) {
       const Decision now = Decide(trial);
-      if (now.action != trial.decision.action) return false;
-      trial.decision = now;  // epsilon may differ
+      if (now.action != trial.result.decision->action) return false;
+      trial.result.decision = now;  // epsilon may differ
     }
-    if (trial.error) Fail(trial);
+    if (trial.result.error) Fail(trial);
     return true;
   }
 
   // Leaves what is needed to see a failed action again, and passes the failure on.
   [[noreturn]] void Fail(const Trial& trial) const {
     const std::filesystem::path file = folder_.root() / "failed_step.json";
-    if (!trial.looked) std::rethrow_exception(trial.error);  // none was tried
+    if (!trial.result.decision) std::rethrow_exception(trial.result.error);  // none was tried
     try {
-      std::rethrow_exception(trial.error);
+      std::rethrow_exception(trial.result.error);
     } catch (const RunError& e) {
-      const nlohmann::ordered_json line = {
-          {"step", progress_.actions},        {"state", trial.percept.state},
-          {"action", trial.decision.action},  {"from", trial.from},
-          {"sensor_seed", trial.sensor_seed}, {"error", e.what()}};
+      const nlohmann::ordered_json line = {{"step", progress_.actions},
+                                           {"state", trial.at.percept.state},
+                                           {"action", trial.result.decision->action},
+                                           {"from", trial.at.from},
+                                           {"sensor_seed", trial.at.sensor_seed},
+                                           {"error", e.what()}};
       WriteFileAtomic(file, JsonText(line));
       throw RunError(std::string(e.what()) + "; see it again with: gusset play --run " +
                      folder_.root().string() + " --step " + std::to_string(progress_.actions));
@@ -351,38 +312,44 @@ class Trainer {
   // Which bag of its pool an action is done to. Each is taken once, in random order, before any is
   // taken again (but for bags that noise shows in another state): with few bags and few tries of an
   // action, its reward is luck enough.
-  int Drawn(const Plan& plan, int attempt) const {
-    if (attempt > 0) return Rng(Seed("pool", plan.SeedIndex(attempt))).Below(plan.pool_size);
+  std::size_t PlaceInPool(const Plan& plan, int attempt) const {
+    if (attempt > 0) return At(Rng(Seed("pool", plan.SeedIndex(attempt))).Below(plan.pool_size));
     Plan round = plan;
     round.index = plan.index / plan.pool_size;
     Rng rng(Seed("pool order", round.SeedIndex(0)));
     std::vector<int> order(At(plan.pool_size));
     std::iota(order.begin(), order.end(), 0);
     rng.Shuffle(order);
-    return order[At(plan.index % plan.pool_size)];
+    return At(order[At(plan.index % plan.pool_size)]);
   }
 
-  void Try(Environment& environment, const Plan& plan, Trial& trial) const {
+  void TryPlan(Environment& environment, const Plan& plan, Trial& trial) const {
+    if (trial.seen) {
+      const Clock::time_point start = Clock::now();
+      Begin(environment, trial.at);
+      Act(environment, trial, start);
+      return;
+    }
     trial.mode = plan.extra ? Mode::kGreedy : Mode::kExplore;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = plan.SeedIndex(attempt);
-      Snapshot snapshot;
       if (plan.state == 0) {
-        const std::uint64_t seed = Seed("start", index);
-        trial.from = {{"start", "folded"}, {"seed", seed}};
-        snapshot = environment.Start(StartKind::kFolded, seed);
+        NewStart(environment, index, trial.at);
       } else {
-        const int id = progress_.pools[At(plan.state)][At(Drawn(plan, attempt))];
-        trial.from = {{"step", id}};
-        snapshot = folder_.ReadSnapshot(id);
+        const std::size_t place = PlaceInPool(plan, attempt);
+        std::unique_lock lock(mutex_);
+        const int step = progress_.pools[At(plan.state)][place];
+        lock.unlock();
+        TakeUp(step, trial.at);
       }
-      trial.sensor_seed = Seed("sensor", index);
-      trial.agent_seed = Seed("agent", index);
+      trial.at.sensor_seed = Seed("sensor", index);
+      trial.at.agent_seed = Seed("agent", index);
       const Clock::time_point start = Clock::now();
-      trial.percept = Begin(environment, snapshot, trial);
+      trial.at.percept = Begin(environment, trial.at);
       spdlog::debug("step {} of s{}, attempt {}: seen as s{}", plan.index, plan.state, attempt,
-                    trial.percept.state);
-      if (trial.percept.state != plan.state) continue;
+                    trial.at.percept.state);
+      if (trial.at.percept.state != plan.state) continue;
+      trial.seen = true;
       Act(environment, trial, start);
       return;
     }
@@ -404,15 +371,16 @@ class Trainer {
         try {
           TryChained(environment, trial);
         } catch (...) {
-          trial.error = std::current_exception();
+          trial.result.error = std::current_exception();
         }
       }});
-      if (trial.error) Fail(trial);
+      if (trial.result.error) Fail(trial);
       const int before = progress_.current;
-      const int state = trial.percept.state;
+      const int state = trial.at.percept.state;
       const bool extra = progress_.learnt[At(state)] >= config_.steps;
       ++progress_.episode_actions;
-      const bool over = trial.outcome.done || progress_.episode_actions >= config_.max_actions;
+      const bool over =
+          trial.result.outcome.done || progress_.episode_actions >= config_.max_actions;
       progress_.current = over ? -1 : progress_.actions;
       if (over) {
         ++progress_.episode;
@@ -423,34 +391,20 @@ class Trainer {
     }
   }
 
-  // A damaged snapshot is named by its file.
-  Percept Begin(Environment& environment, const Snapshot& snapshot, const Trial& trial) const {
-    try {
-      return environment.Begin(snapshot, trial.sensor_seed);
-    } catch (const InputError& e) {
-      if (!trial.from.contains("step")) throw;
-      throw InputError(folder_.SnapshotFile(trial.from["step"]).string() + ": " + e.what());
-    }
-  }
-
   void TryChained(Environment& environment, Trial& trial) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = Plan{kAnyState, false, progress_.actions, 0}.SeedIndex(attempt);
-      Snapshot snapshot;
       if (progress_.current < 0) {
-        const std::uint64_t seed = Seed("start", index);
-        trial.from = {{"start", "folded"}, {"seed", seed}};
-        snapshot = environment.Start(StartKind::kFolded, seed);
+        NewStart(environment, index, trial.at);
       } else {
-        trial.from = {{"step", progress_.current}};
-        snapshot = folder_.ReadSnapshot(progress_.current);
+        TakeUp(progress_.current, trial.at);
       }
-      trial.sensor_seed = Seed("sensor", index);
-      trial.agent_seed = Seed("agent", index);
+      trial.at.sensor_seed = Seed("sensor", index);
+      trial.at.agent_seed = Seed("agent", index);
       const Clock::time_point start = Clock::now();
-      trial.percept = Begin(environment, snapshot, trial);
-      if (trial.percept.state >= states()) continue;
-      const bool full = progress_.learnt[At(trial.percept.state)] >= config_.steps;
+      trial.at.percept = Begin(environment, trial.at);
+      if (trial.at.percept.state >= states()) continue;
+      const bool full = progress_.learnt[At(trial.at.percept.state)] >= config_.steps;
       trial.mode = full ? Mode::kGreedy : Mode::kExplore;
       Act(environment, trial, start);
       return;
@@ -460,39 +414,63 @@ class Trainer {
 
   // ---- both
 
+  void NewStart(Environment& environment, std::uint64_t index, Situation& at) const {
+    const std::uint64_t seed = Seed("start", index);
+    at.from = {{"start", "folded"}, {"seed", seed}};
+    at.snapshot = environment.Start(StartKind::kFolded, seed);
+  }
+
+  // What an earlier step left.
+  void TakeUp(int step, Situation& at) const {
+    at.from = {{"step", step}};
+    at.snapshot = folder_.ReadSnapshot(step);
+  }
+
+  // A damaged snapshot is named by its file.
+  Percept Begin(Environment& environment, const Situation& at) const {
+    try {
+      return environment.Begin(at.snapshot, at.sensor_seed);
+    } catch (const InputError& e) {
+      if (!at.from.contains("step")) throw;
+      throw InputError(folder_.SnapshotFile(at.from["step"]).string() + ": " + e.what());
+    }
+  }
+
   Decision Decide(const Trial& trial) const {
-    Rng rng(trial.agent_seed);
-    return agent_.Act(trial.percept.state, trial.percept.features,
-                      n_actions_[At(trial.percept.state)], trial.mode, rng);
+    Rng rng(trial.at.agent_seed);
+    return agent_.Act(trial.at.percept.state, trial.at.percept.features,
+                      n_actions_[At(trial.at.percept.state)], trial.mode, rng);
   }
 
   void Act(Environment& environment, Trial& trial, Clock::time_point start) const {
-    trial.looked = true;
-    trial.decision = Decide(trial);
-    trial.outcome = environment.Act(trial.decision.action);
-    trial.wall_s = Seconds(Clock::now() - start);
-    if (config_.dump == "all" ||
-        (config_.dump == "failures" && ActionFailed(trial.percept.state, trial.outcome))) {
-      trial.frames = environment.Frames();
+    {
+      const std::lock_guard lock(mutex_);
+      trial.result.decision = Decide(trial);
+    }
+    trial.result.outcome = environment.Act(trial.result.decision->action);
+    trial.result.wall_s = Seconds(Clock::now() - start);
+    if (config_.dump == "all" || (config_.dump == "failures" &&
+                                  ActionFailed(trial.at.percept.state, trial.result.outcome))) {
+      trial.result.frames = environment.Frames();
     }
   }
 
   void Commit(const Plan& plan, const Trial& trial) {
-    const int state = trial.percept.state;
-    const Outcome& outcome = trial.outcome;
+    const int state = trial.at.percept.state;
+    const Outcome& outcome = trial.result.outcome;
     const int state_step = plan.extra ? progress_.extra : progress_.learnt[At(state)];
     const nlohmann::ordered_json line = LogLine(plan, trial, state_step);
     // First: if there is no room for them, nothing of this action has happened yet, and --resume
     // does it again.
-    if (trial.frames) {
-      trial.frames(folder_.frames() / ("step" + std::to_string(progress_.actions)), line);
+    if (trial.result.frames) {
+      trial.result.frames(folder_.frames() / ("step" + std::to_string(progress_.actions)), line);
     }
     if (!plan.extra) {
       const int last = progress_.last_learnt;
-      const bool follows = last >= 0 && trial.from.value("step", -1) == last;
-      agent_.Learn({state, trial.percept.features, trial.decision.action, n_actions_[At(state)],
-                    outcome.reward, outcome.next.state, outcome.next.features, outcome.done,
-                    follows});
+      const bool follows = last >= 0 && trial.at.from.value("step", -1) == last;
+      agent_.Learn({state, trial.at.percept.features, trial.result.decision->action,
+                    n_actions_[At(state)], outcome.reward, outcome.next.state,
+                    outcome.next.features, outcome.done, follows});
       progress_.last_learnt = progress_.actions;
     }
     steps_->Append(line.dump());
@@ -523,22 +501,24 @@ class Trainer {
   }
 
   nlohmann::ordered_json LogLine(const Plan& plan, const Trial& trial, int state_step) const {
-    const Outcome& outcome = trial.outcome;
-    nlohmann::ordered_json line = {
-        {"step", progress_.actions},        {"kind", plan.extra ? "extra" : "train"},
-        {"state", trial.percept.state},     {"state_step", state_step},
-        {"action", trial.decision.action},  {"explored", trial.decision.explored},
-        {"epsilon", trial.decision.epsilon}};
+    const Outcome& outcome = trial.result.outcome;
+    nlohmann::ordered_json line = {{"step", progress_.actions},
+                                   {"kind", plan.extra ? "extra" : "train"},
+                                   {"state", trial.at.percept.state},
+                                   {"state_step", state_step},
+                                   {"action", trial.result.decision->action},
+                                   {"explored", trial.result.decision->explored},
+                                   {"epsilon", trial.result.decision->epsilon}};
     line.update(OutcomeFields(outcome));
-    line["from"] = trial.from;
-    line["sensor_seed"] = trial.sensor_seed;
+    line["from"] = trial.at.from;
+    line["sensor_seed"] = trial.at.sensor_seed;
     line["sim_s"] = outcome.sim_s;
-    line["wall_s"] = trial.wall_s;
+    line["wall_s"] = trial.result.wall_s;
     return line;
   }
 
   void LogProgress(const Trial& trial, int state_step) {
-    const Outcome& outcome = trial.outcome;
+    const Outcome& outcome = trial.result.outcome;
     std::vector<double>& recent = progress_.recent;
     recent.push_back(outcome.reward);
     if (recent.size() > 20) recent.erase(recent.begin());
@@ -546,7 +526,7 @@ class Trainer {
         std::accumulate(recent.begin(), recent.end(), 0.0) / static_cast<double>(recent.size());
     const double rate = (done_here_ + 1) / std::max(1e-9, Seconds(Clock::now() - begun_));
     csv_->Append(fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{},{:.6g},{:.4g}", progress_.actions,
-                             trial.percept.state, state_step, trial.decision.epsilon,
+                             trial.at.percept.state, state_step, trial.result.decision->epsilon,
                              outcome.reward, mean, progress_.extra, progress_.sim_s + outcome.sim_s,
                              rate));
   }
@@ -584,12 +564,18 @@ class Trainer {
   const RunFolder& folder_;
   const std::function<bool()>& stop_;
   std::vector<int> n_actions_;
-  Progress progress_;
+  TrainingProgress progress_;
   std::optional<LineLog> steps_;
   std::optional<LineLog> csv_;
   int done_here_ = 0;
   const Clock::time_point begun_ = Clock::now();
   Clock::time_point reported_ = begun_;
+
+  // How many plans are looked ahead, the one whose turn it is included. Twice as many as there are
+  // workers, since some tries take ten times as long as others.
+  const int furthest_;
+  mutable std::mutex mutex_;  // of the agent, the progress, the logs and what is looked ahead
+  std::condition_variable changed_;
 };
 
 }  // namespace

@@ -65,7 +65,8 @@ struct TrainSummary {
 ///
 /// Every random number derives from (seed, purpose, index). With "pools" the next steps are tried
 /// in parallel with the policy as it is, and tried again where the policy, once it has learnt what
-/// came before, decides otherwise: the result does not depend on the number of workers. Continues
+/// came before, decides otherwise: the result does not depend on the number of workers, whose
+/// threads do all of it, `stop` included, one at a time but for the actions. Continues
 /// from the folder's checkpoint if it has one; after a kill at any moment the end is the same.
 ///
 /// @param stop asked between actions; when true, or when an action is Interrupted (base/stop.h),

@@ -1,5 +1,6 @@
 #include "agents/workers.h"
 
+#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -14,6 +15,7 @@ struct Workers::Shared {
   std::vector<std::exception_ptr> errors;
   std::size_t next = 0;
   std::size_t open = 0;
+  std::atomic<bool> failed = false;
   bool stop = false;
   std::vector<std::thread> threads;
 
@@ -36,6 +38,7 @@ struct Workers::Shared {
       lock.lock();
       errors[mine] = error;
       if (error) {
+        failed = true;
         open -= tasks->size() - next;
         next = tasks->size();
       }
@@ -70,6 +73,7 @@ void Workers::Run(const std::vector<Task>& tasks) {
   std::unique_lock lock(shared_->mutex);
   shared_->errors.assign(tasks.size(), nullptr);
   shared_->next = 0;
+  shared_->failed = false;
   shared_->open = tasks.size();
   shared_->tasks = &tasks;
   shared_->wake.notify_all();
@@ -79,5 +83,7 @@ void Workers::Run(const std::vector<Task>& tasks) {
     if (error) std::rethrow_exception(error);
   }
 }
+
+bool Workers::failed() const { return shared_ && shared_->failed; }
 
 }  // namespace gusset

@@ -27,6 +27,8 @@ class Workers {
   /// of jobs, for all before it have run.
   void Run(const std::vector<Task>& tasks);
   int jobs() const { return jobs_; }
+  /// Whether a task of the present Run has thrown, for tasks that go on until they are told to end.
+  bool failed() const;
 
  private:
   struct Shared;

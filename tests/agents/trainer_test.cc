@@ -324,6 +324,24 @@ TEST_F(TrainerTest, FramesAreKeptOnlyForWhatWasAskedFor) {
   EXPECT_EQ(frames(none), 0);
 }
 
+// A try whose turn comes too late is made anew, and leaves nothing of itself.
+TEST_F(TrainerTest, FramesAreTheSameWhateverTheNumberOfWorkers) {
+  std::map<std::string, std::string> of_one;
+  for (const int jobs : {1, 7}) {
+    const RunFolder folder = NewFolder("jobs" + std::to_string(jobs));
+    ASSERT_EQ(Run(folder, {.steps = 60, .seed = 3, .dump = "failures"}, jobs), "");
+    std::map<std::string, std::string> frames;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.frames())) {
+      json about = ReadJson(entry.path());
+      about.erase("wall_s");
+      frames[entry.path().filename()] = about.dump();
+    }
+    ASSERT_GT(frames.size(), 20u);
+    if (jobs == 1) of_one = frames;
+    EXPECT_EQ(frames, of_one) << jobs;
+  }
+}
+
 TEST_F(TrainerTest, FramesThatCannotBeWrittenStopTheRunBetweenActionsAndItGoesOn) {
   const RunFolder unbroken = NewFolder("unbroken");
   ASSERT_EQ(Run(unbroken, {.steps = 5, .pool_min = 4}), "");

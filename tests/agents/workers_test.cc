@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <string>
+#include <thread>
 
 #include "base/error.h"
 #include "tests/agents/table_world.h"
@@ -43,6 +44,16 @@ TEST_P(WorkersByJobs, BeginNothingMoreAfterAnErrorAndRethrowTheEarliest) {
   EXPECT_LE(begun, 20 + GetParam()) << "each thread may have begun one before it could know";
   workers.Run({[&](Environment&) { begun = -1; }});
   EXPECT_EQ(begun, -1) << "later tasks run as ever";
+}
+
+// Tasks that go on for as long as there is work, as the trainer's do.
+TEST(Workers, TellTasksThatOneHasFailed) {
+  Workers workers(3, [] { return std::make_unique<TableWorld>(); });
+  const Workers::Task go_on = [&](Environment&) {
+    while (!workers.failed()) std::this_thread::yield();
+  };
+  EXPECT_THROW(workers.Run({go_on, go_on, [](Environment&) { throw RunError("no"); }}), RunError);
+  workers.Run({[&](Environment&) { EXPECT_FALSE(workers.failed()); }});
 }
 
 INSTANTIATE_TEST_SUITE_P(Jobs, WorkersByJobs, testing::Values(1, 3));
