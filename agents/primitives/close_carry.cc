@@ -31,6 +31,23 @@ void BringLip(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& grasp
   BringLayer(tool, seized_W, grasp_W, drag);
 }
 
+// Closes on the bag at grasp_W or, where there is nothing to close on, nearer and nearer to the
+// cube: the same grasp would fail again and again. Returns where. The last is lifted in any case,
+// for the fingers do not feel a film; the scales tell.
+Eigen::Vector3d Grasp(ToolMotion& tool, const Eigen::Vector3d& grasp_W,
+                      const Eigen::Vector3d& cube_W, const CloseCarryConfig& config,
+                      const MotionConfig& motion) {
+  Eigen::Vector3d at_W = grasp_W;
+  for (int retry = 0;; ++retry) {
+    tool.GoUntilContact(At(at_W, config.height_m), config.contact_force_N);
+    if (tool.Close() || retry == config.retries) return at_W;
+    tool.Fingers(config.opening_m);
+    tool.Go(At(at_W, motion.approach_m), motion.descend_speed_m_s);
+    at_W = grasp_W + Within((retry + 1) * config.retry_step_m, At(cube_W - grasp_W, 0));
+    tool.Go(At(at_W, motion.approach_m), motion.descend_speed_m_s);
+  }
+}
+
 // Lays the bag out to the side of the table where the cube is not.
 void LayDownAgain(ToolMotion& tool, const Eigen::Vector3d& cube_W, double closing,
                   const CloseCarryConfig& config, const GraspLiftConfig& lift) {
@@ -60,7 +77,8 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
                 const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W,
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,
                 const GraspLiftConfig& lift, const MotionConfig& motion) {
-  const Eigen::Vector3d grasp = mouth ? AtTheRim(p_W, *mouth, config) : p_W;
+  Eigen::Vector3d grasp =
+      InReach(lift.reach_m, mouth ? AtTheRim(p_W, *mouth, config) : p_W, cube_W);
 
   // tau_close.
   if (mouth && AreApart(*mouth, config) && config.lip_release_m == 0) {
@@ -73,8 +91,7 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
     tool.Fingers(config.opening_m);
     tool.ApproachLevel(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), AngleOf(closing_W));
   }
-  tool.GoUntilContact(At(grasp, config.height_m), config.contact_force_N);
-  tool.Fingers(0);
+  grasp = Grasp(tool, grasp, cube_W, config, motion);
 
   // mu_carry, without turning what is held.
   const double closing = tool.closing_rad();

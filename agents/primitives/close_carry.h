@@ -25,6 +25,8 @@ struct CloseCarryConfig {
   double opening_m = 0.085;     ///< Wide: both layers are to be gathered.
   double height_m = 0;          ///< Above the table, where the fingers close; a flat bag is 3 mm.
   double contact_force_N = 10;  ///< Felt earlier (on the cube, say): close there.
+  int retries = 3;              ///< Where the pads meet on nothing, so often again, ...
+  double retry_step_m = 0.015;  ///< ... each time so much nearer to the cube.
   double lift_speed_m_s = 0.12;
   double upright_m = 0.10;  ///< Straight up to here, then also towards the table's middle ...
   double column_m = 0.08;   ///< ... to within so far of it, where the arm reaches high.
@@ -47,6 +49,8 @@ struct CloseCarryConfig {
     v("opening_m", opening_m, Range{0.01, 0.085});
     v("height_m", height_m, Range{0, 0.1});
     v("contact_force_N", contact_force_N, Range{0.5, 40});
+    v("retries", retries, Range{0, 10});
+    v("retry_step_m", retry_step_m, Range{0, 0.1});
     v("lift_speed_m_s", lift_speed_m_s, Range{0.01, 1});
     v("upright_m", upright_m, Range{0.02, 0.2});
     v("column_m", column_m, Range{0, 0.2});
@@ -70,13 +74,14 @@ void DropLip(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d
 /// Draws the mouth's lips together over what lies in it (unless the drawn one is to fall: DropLip
 /// comes before this), closes the gripper on both at p_W, or
 /// beside it at the rim, lifts the bag and carries it to the waiting pose. There it is weighed: one
-/// too light to have the cube in it is laid down on the table again and let go.
+/// too light to have the cube in it is laid down on the table again and let go. What is out of
+/// reach is grasped nearer to cube_W, as is a bag that the fingers miss.
 /// @param closing_W horizontal direction along which the fingers close where the tool is not
 /// tilted.
 /// @param mouth none if it is not seen: then nothing is drawn, and the grasp is at p_W.
 /// @param cube_W where the cube is, or the bag if it hides the cube: a bag is laid down away from
 /// it.
-/// @param drag how a lip is drawn. @param lift how a bag is laid down.
+/// @param drag how a lip is drawn. @param lift how a bag is laid down, and how far the arm reaches.
 void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
                 const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W,
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,

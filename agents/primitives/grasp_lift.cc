@@ -46,20 +46,6 @@ Vector3d SeizeEdge(ToolMotion& tool, const Vector3d& way, const Press& press,
   }
 }
 
-// The point within reach_m of the table's middle that is nearest p_W on the way to it from
-// inside_W.
-Vector3d Reachable(double reach_m, const Vector3d& p_W, const Vector3d& inside_W) {
-  const Vector3d from = At(inside_W, 0);
-  const Vector3d way = At(p_W, 0) - from;
-  if (At(p_W, 0).norm() <= reach_m || way.norm() == 0) return p_W;
-  // |from + t way|^2 = reach_m^2; no such t if the line passes the disc: then where it comes
-  // nearest.
-  const double half_b = from.dot(way) / way.squaredNorm();
-  const double c = (from.squaredNorm() - reach_m * reach_m) / way.squaredNorm();
-  const double t = std::clamp(-half_b + std::sqrt(std::max(0.0, half_b * half_b - c)), 0.0, 1.0);
-  return At(Within(reach_m, from + t * way), p_W.z());
-}
-
 }  // namespace
 
 void LayDown(ToolMotion& tool, const Vector3d& high_W, const Vector3d& to_W, double closing_rad,
@@ -79,7 +65,7 @@ void GraspLift(ToolMotion& tool, const Vector3d& p_W, const Vector3d& centre_W, 
                const std::function<bool()>& is_unfolded) {
   Vector3d along = At(p_W - centre_W, 0);
   along = along.norm() > kCentral_m ? Vector3d(along.normalized()) : Vector3d(-Vector3d::UnitY());
-  const Vector3d grasp = Reachable(config.reach_m, p_W, centre_W);
+  const Vector3d grasp = InReach(config.reach_m, p_W, centre_W);
   const Vector3d left = LeftOf(along);
   const Vector3d side = parameter % 2 == 1 ? left : Vector3d(-left);
   const Press press{config.touch_speed_m_s, config.contact_force_N, config.retries,

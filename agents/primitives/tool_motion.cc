@@ -57,6 +57,19 @@ Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v) {
   return v.norm() > most_m ? Eigen::Vector3d(v * (most_m / v.norm())) : v;
 }
 
+Eigen::Vector3d InReach(double reach_m, const Eigen::Vector3d& p_W,
+                        const Eigen::Vector3d& inside_W) {
+  const Eigen::Vector3d from = At(inside_W, 0);
+  const Eigen::Vector3d way = At(p_W, 0) - from;
+  if (At(p_W, 0).norm() <= reach_m || way.norm() == 0) return p_W;
+  // |from + t way|^2 = reach_m^2; no such t if the line passes the disc: then where it comes
+  // nearest.
+  const double half_b = from.dot(way) / way.squaredNorm();
+  const double c = (from.squaredNorm() - reach_m * reach_m) / way.squaredNorm();
+  const double t = std::clamp(-half_b + std::sqrt(std::max(0.0, half_b * half_b - c)), 0.0, 1.0);
+  return At(Within(reach_m, from + t * way), p_W.z());
+}
+
 void ToolMotion::Finish(const MoveResult& result, const char* what) {
   R_WT_ = result.X_WT.linear();
   if (result.end == MoveEnd::kReached || result.end == MoveEnd::kContact) return;
@@ -148,21 +161,15 @@ void ToolMotion::LetGoAndRise() {
 std::string PerformAndLeave(RobotPort& robot, const MotionConfig& config,
                             const std::function<void(ToolMotion&)>& action) {
   ToolMotion tool(robot, config);
-  std::string notes;
-  const auto add = [&](const std::string& note) {
-    if (!note.empty()) notes += (notes.empty() ? "" : "; ") + note;
-  };
   try {
     action(tool);
-    add(tool.note());
   } catch (const ToolMotion::Aborted& aborted) {
-    add(tool.note());
-    add(aborted.what());
+    tool.Note(aborted.what());
     tool.LetGoAndRise();
   }
-  if (const std::optional<MoveEnd> again = tool.Leave()) add(SecondTry(*again));
+  if (const std::optional<MoveEnd> again = tool.Leave()) tool.Note(SecondTry(*again));
   robot.Wait(config.settle_s);
-  return notes;
+  return tool.note();
 }
 
 }  // namespace gusset

@@ -51,6 +51,10 @@ Eigen::Vector3d At(const Eigen::Vector3d& p, double z);
 Eigen::Vector3d LeftOf(const Eigen::Vector3d& v);
 /// v, shortened to most_m if it is longer.
 Eigen::Vector3d Within(double most_m, const Eigen::Vector3d& v);
+/// p_W or, if it is farther than reach_m from the table's middle, the point at its height that is
+/// nearest it on the way to it from inside_W and no farther than that.
+Eigen::Vector3d InReach(double reach_m, const Eigen::Vector3d& p_W,
+                        const Eigen::Vector3d& inside_W);
 
 /// How a grasp comes down, and how hard it presses on what it grasps.
 struct Press {
@@ -136,6 +140,7 @@ class ToolMotion {
 
 /// Runs `action`, then leaves the camera's view and lets things settle. If the action is aborted
 /// the gripper lets go and rises first. Never throws ToolMotion::Aborted.
+/// @returns what happened that is worth a note, joined by "; ".
 std::string PerformAndLeave(RobotPort& robot, const MotionConfig& config,
                             const std::function<void(ToolMotion&)>& action);
 

@@ -844,6 +844,58 @@ TEST_F(BaggingEnvTest, CloseCarryGraspsCloseToTheMiddleOfTheNearLip) {
   EXPECT_TRUE(grasp(deep, std::nullopt).isApprox(Eigen::Vector2d(deep.head<2>()), 1e-12));
 }
 
+TEST_F(BaggingEnvTest, CloseCarryTakesWhatIsOutOfReachNearerTheCube) {
+  const double reach = config_.grasp_lift.reach_m;
+  const Eigen::Vector3d cube_W(0.05, -0.1, 0);
+  for (const double beyond_m : {-0.01, 0.03}) {
+    const Eigen::Vector3d p_W(0, -reach - beyond_m, 0);
+    rig_.moves.clear();
+    ToolMotion tool(rig_, config_.motion);
+    CloseCarry(tool, p_W, {1, 0, 0}, std::nullopt, cube_W, config_.close_carry,
+               config_.scratch_drag, config_.grasp_lift, config_.motion);
+    const Eigen::Vector3d grasp = At(HeldPath().front(), 0);
+    if (beyond_m < 0) {
+      EXPECT_TRUE(grasp.isApprox(p_W, 1e-12));
+    } else {
+      EXPECT_NEAR(grasp.norm(), reach, 1e-9);
+      EXPECT_NEAR((grasp - cube_W).cross(p_W - cube_W).norm(), 0, 1e-9)
+          << "off the way to the cube";
+    }
+  }
+}
+
+// Where the fingers meet on nothing the same grasp would fail again, in this action and the next.
+TEST_F(BaggingEnvTest, CloseCarryGraspsNearerTheCubeWhereItsPadsAreEmpty) {
+  const CloseCarryConfig& config = config_.close_carry;
+  const double step = config.retry_step_m;
+  for (const int empty : {0, 1, config.retries, config.retries + 1}) {
+    // Towards the table's middle, as far from which the rig's fingers find nothing.
+    const Eigen::Vector3d p_W(0, -0.2, 0);
+    const Eigen::Vector3d cube_W(0, -0.2 + 2.5 * step, 0);
+    const auto nearer = [&](int retry) {
+      return std::min(retry, 2) * step + (retry > 2) * 0.5 * step;
+    };
+    rig_.nothing_beyond_m = empty > config.retries ? 0 : 0.2 + 1e-9 - nearer(empty);
+    rig_.moves.clear();
+    ToolMotion tool(rig_, config_.motion);
+    CloseCarry(tool, p_W, {1, 0, 0}, std::nullopt, cube_W, config, config_.scratch_drag,
+               config_.grasp_lift, config_.motion);
+    std::vector<double> closed;
+    for (std::size_t i = 0; i < rig_.moves.size(); ++i) {
+      const Move& move = rig_.moves[i];
+      if (move.kind != Move::kFingers || move.value > 0) continue;
+      closed.push_back(move.X_WT.translation().y() - p_W.y());
+      EXPECT_NEAR(move.X_WT.translation().x(), 0, 1e-12);
+      EXPECT_NEAR(move.X_WT.translation().z(), config.height_m, 1e-12);
+    }
+    const int tries = 1 + std::min(empty, config.retries);
+    ASSERT_EQ(closed.size(), static_cast<std::size_t>(tries));
+    for (int k = 0; k < tries; ++k) EXPECT_NEAR(closed[k], nearer(k), 1e-12);
+    // The last is carried to be weighed, whatever the fingers felt.
+    EXPECT_EQ(std::ranges::count(rig_.moves, Move::kWaitingPose, &Move::kind), 1);
+  }
+}
+
 TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
   const double apart = config_.close_carry.lips_apart_m;
   const Mouth together{{0, -0.1, 0}, {0, -0.1 + 0.9 * apart, 0}};
