@@ -272,8 +272,9 @@ class Trainer {
     for (int ahead = 0; ahead < furthest_; ++ahead) {
       const std::optional<Plan> plan = look_ahead.next(ahead);
       if (!plan) return nullptr;
-      LookAhead::Item& item = look_ahead.items[plan->index];
-      item.plan = *plan;
+      const auto [it, is_new] = look_ahead.items.try_emplace(plan->index);
+      LookAhead::Item& item = it->second;
+      if (is_new) item.plan = *plan;  // what runs is read without the lock
       if (item.stage == LookAhead::Item::Stage::kWaiting) return &item;
     }
     return nullptr;
