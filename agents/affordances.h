@@ -25,7 +25,7 @@ const Affordance& AffordanceOf(int state);
 /// What an action index means: Eq. 5.7's product, points outermost.
 struct ActionChoice {
   int point = 0;      ///< Grasp point in s0, s1, s3; place point in s2.
-  int parameter = 0;  ///< Release height in s0, drag target in s1, else 0.
+  int parameter = 0;  ///< Height and side in s0 (GraspLift), drag target in s1, else 0.
 };
 
 /// @param action in [0, AffordanceOf(state).actions()).

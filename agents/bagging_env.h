@@ -76,7 +76,6 @@ class BaggingEnv final : public Environment {
 
   const RgbdFrame& frame_before() const { return frame_before_; }
   const Observation& before() const { return before_; }
-  const RgbdFrame& frame_after() const { return frame_after_; }
   const Observation& after() const { return after_; }
 
  private:

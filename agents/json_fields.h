@@ -31,7 +31,8 @@ inline std::string JsonText(const nlohmann::ordered_json& document) {
 }
 
 /// Reads one field of a JSON object that a user may have edited.
-/// @throws InputError `key is missing`, `key must be ...` or `key = v is not within [lo, hi]`.
+/// @throws InputError `key is missing`, `key = v has the wrong type or size` or `key = v is not
+/// within [lo, hi]`.
 template <class T>
 T JsonField(const nlohmann::json& object, const std::string& key) {
   if (!object.is_object() || !object.contains(key)) throw InputError(key + " is missing");

@@ -108,7 +108,7 @@ std::vector<double> MeanRewards(const std::vector<LoggedStep>& steps, int state,
   return sums;
 }
 
-cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states, int window) {
+cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states) {
   const cv::Rect box(70, 40, 700, 400);
   cv::Mat image(500, 800, CV_8UC3, cv::Scalar::all(255));
 
@@ -122,7 +122,7 @@ cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states, int 
       if (step.learnt && step.state == s) rewards.push_back(step.reward);
     }
     std::vector<double>& curve = curves[static_cast<std::size_t>(s)];
-    curve = RunningMean(rewards, window);
+    curve = RunningMean(rewards, kCurveWindow);
     for (const double mean : curve) {
       low = std::min(low, mean);
       high = std::max(high, mean);
@@ -143,7 +143,7 @@ cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states, int 
     Text(image, std::to_string(std::lround(step + 1)), at(step, low) + cv::Point(-10, 20));
   }
   cv::rectangle(image, box, kInk);
-  Text(image, "mean of the last " + std::to_string(window) + " rewards", {box.x, 25});
+  Text(image, "mean of the last " + std::to_string(kCurveWindow) + " rewards", {box.x, 25});
   Text(image, "step in the state", {box.x + box.width / 2 - 60, box.y + box.height + 45});
   for (int s = 0; s < states; ++s) {
     const std::vector<double>& curve = curves[static_cast<std::size_t>(s)];

@@ -22,14 +22,17 @@ struct LoggedStep {
 /// Reads steps.jsonl. @throws InputError naming file and line.
 std::vector<LoggedStep> ReadLoggedSteps(const std::filesystem::path& file);
 
+/// Rewards that a point of a learning curve is the mean of.
+inline constexpr int kCurveWindow = 20;
+
 /// Mean of each value and those before it, `window` at most.
 std::vector<double> RunningMean(const std::vector<double>& values, int window);
 
 /// Mean reward of each pose point over all its learnt steps in `state`; NaN for a point not tried.
 std::vector<double> MeanRewards(const std::vector<LoggedStep>& steps, int state, int points);
 
-/// Learning curve: for each state the running mean of the last `window` rewards over its steps.
-cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states, int window = 20);
+/// Learning curve: for each state the running mean of the last kCurveWindow rewards over its steps.
+cv::Mat DrawLearningCurve(const std::vector<LoggedStep>& steps, int states);
 
 /// The region of interest, twice as large, with a disc on every pose point: from blue (the lowest
 /// mean reward) to red (the highest), the number beside it; hollow where never tried.

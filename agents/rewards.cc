@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "agents/bandit_rewards.h"
+
 namespace gusset {
 namespace {
 
@@ -26,7 +28,7 @@ double Reward(const Observation& before, const Observation& after, const BagThre
     case State::kOpen:
       return PlacingReward(before, after, placed_px);
     case State::kFilled:
-      return after.state == State::kSuccess ? 1 : -0.1;
+      return after.state == State::kSuccess ? kHighestReward : kLowestReward;
     default:
       return 0;  // s4 and s5 afford no action
   }

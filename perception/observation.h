@@ -21,7 +21,6 @@ struct PosePoint {
 
 /// Side of the body at which the mouth is. Unit vectors; those in the world are horizontal.
 struct Rim {
-  cv::Point2d middle_px;
   cv::Point2d outward_px;     ///< The way the mouth looks.
   Eigen::Vector3d outward_W;  ///< The same.
   Eigen::Vector3d along_W;    ///< Across it, from corners[0] towards corners[1].

@@ -94,7 +94,6 @@ Eigen::Vector3d Level(const View& view, cv::Point2d from, cv::Point2d to,
 Rim FindRim(const Outline& outline, cv::Point2d outward, const View& view,
             const PerceptionConfig& config) {
   Rim rim;
-  rim.middle_px = 0.5 * (outline.corners[0] + outline.corners[1]);
   rim.outward_px = outward;
   // A step as long as a bag: short ones would be lost in rounding.
   const cv::Point2d step = 100 * outward;

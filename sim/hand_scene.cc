@@ -7,7 +7,7 @@
 namespace gusset {
 namespace {
 
-constexpr double kGrip_N = 60;     // as RobotConfig's hand grips
+constexpr double kGrip_N = 60;     // as MotionConfig::grip_force_N
 constexpr double kSettle_s = 0.5;  // a bag laid down comes to rest in half of that
 constexpr double kHigh_m = 0.6;    // the hand is far from everything
 constexpr double kSwing_s = 0.5;   // after the lift
@@ -24,8 +24,7 @@ constexpr float kSlope_m = 0.11f;
 WorldState FlatBag(const SimConfig& config) {
   WorldState state;
   state.cloth = LaidFlat(config.bag);
-  state.cube.X_WB.translation() << config.world.cube_wait_m[0], config.world.cube_wait_m[1],
-      0.5 * config.world.cube_side_m;
+  state.cube = WaitingCube(config.world);
   return state;
 }
 

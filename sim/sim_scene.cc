@@ -254,8 +254,7 @@ Start SimScene::MakeStart(StartKind kind, std::uint64_t seed) const {
 void SimScene::Reset(StartKind kind, std::uint64_t seed) {
   WorldState state;
   state.cloth = MakeStart(kind, seed).cloth;
-  state.cube.X_WB.translation() << config_.world.cube_wait_m[0], config_.world.cube_wait_m[1],
-      0.5 * config_.world.cube_side_m;
+  state.cube = WaitingCube(config_.world);
   SimRobotState robot;
   robot.q = arm_.waiting();
   robot.opening_m = arm_.max_opening_m();
@@ -319,10 +318,7 @@ ClothItem SimScene::DrawnCloth() const {
   cloth.thickness_m = mesh.thickness_m;
   cloth.rgb = look_.bag_rgb;
   cloth.label_rgb = look_.label_rgb;
-  for (const BagLabel& l : labels_) {
-    if (!config_.variation.labels_drawn) break;
-    cloth.labels.push_back({l.u0, l.u1, l.v0, l.v1, l.layer});
-  }
+  if (config_.variation.labels_drawn) cloth.labels = labels_;
   return cloth;
 }
 

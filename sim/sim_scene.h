@@ -75,7 +75,7 @@ class SimScene : public ScenePort, public CameraPort {
   const World& world() const { return *world_; }
   World& world() { return *world_; }
   const SimConfig& config() const { return config_; }
-  const std::vector<BagLabel>& labels() const { return labels_; }
+  const std::vector<LabelPatch>& labels() const { return labels_; }
   std::string gl_renderer() const { return renderer_.gl_renderer(); }
   /// The cloth in its present shape as Look draws it.
   ClothItem DrawnCloth() const;
@@ -98,7 +98,7 @@ class SimScene : public ScenePort, public CameraPort {
   ArmModel arm_;
   Statics statics_;
   SceneLook look_;
-  std::vector<BagLabel> labels_;
+  std::vector<LabelPatch> labels_;
   Renderer renderer_;
   TriMesh cube_mesh_;
   StartCache cache_;

@@ -209,7 +209,7 @@ Vec3f RandomCentre(const StartConfig& config, bool any_pose, Rng& rng) {
 }
 
 // True if the mouth is hidden and the area within bounds, give or take some labels and a factor.
-bool Serves(const Cloth& cloth, const std::vector<BagLabel>& labels, const CameraModel& camera,
+bool Serves(const Cloth& cloth, const std::vector<LabelPatch>& labels, const CameraModel& camera,
             const StartConfig& config, int more_labels, double more_area, int& area_px) {
   const TopView view = LookAtBag(cloth.mesh(), cloth.state().x, labels, camera, kWholeView);
   int seen = 0;
@@ -226,7 +226,7 @@ Start MakeFoldedStart(const BagConfig& bag, const ClothSolverConfig& solver,
                       const StartConfig& config, const CameraModel& camera, bool any_pose,
                       std::uint64_t seed) {
   Cloth cloth(MakeBagMesh(bag), bag, solver);
-  const std::vector<BagLabel> labels = MakeLabels(bag);
+  const std::vector<LabelPatch> labels = MakeLabels(bag);
   Rng kind_rng(DeriveSeed(seed, "fold kind"));
   Start start;
   start.kind = static_cast<FoldKind>(kind_rng.Below(3));

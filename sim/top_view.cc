@@ -7,13 +7,13 @@
 
 namespace gusset {
 
-std::vector<BagLabel> MakeLabels(const BagConfig& bag) {
-  std::vector<BagLabel> labels;
+std::vector<LabelPatch> MakeLabels(const BagConfig& bag) {
+  std::vector<LabelPatch> labels;
   const double n = bag.labels_per_layer;
   for (int layer = 0; layer < 2; ++layer) {
     for (int k = 0; k < bag.labels_per_layer; ++k) {
       const double u = bag.opening_m * (k + 0.5) / n;
-      BagLabel label;
+      LabelPatch label;
       label.u0 = static_cast<float>(u - 0.5 * bag.label_width_m);
       label.u1 = static_cast<float>(u + 0.5 * bag.label_width_m);
       label.v0 = 0;
@@ -83,11 +83,11 @@ class Canvas {
   std::vector<float> depth_;
 };
 
-std::int16_t LabelAt(const std::vector<BagLabel>& labels, int layer, const Eigen::Vector2f& uv) {
+std::int16_t LabelAt(const std::vector<LabelPatch>& labels, int layer, const Eigen::Vector2f& uv) {
   if (uv.y() > 0.1f) return -1;  // labels sit at the rim
   std::int16_t found = -1;
   for (std::size_t k = 0; k < labels.size(); ++k) {
-    const BagLabel& label = labels[k];
+    const LabelPatch& label = labels[k];
     if (layer == label.layer && uv.x() >= label.u0 && uv.x() <= label.u1 && uv.y() >= label.v0 &&
         uv.y() <= label.v1) {
       found = static_cast<std::int16_t>(k);
@@ -106,7 +106,7 @@ Shown SideOf(int layer, bool counter_clockwise) {
 // Paints cloth and cube into one view.
 class Painter {
  public:
-  Painter(const std::vector<BagLabel>& labels, const CameraModel& camera,
+  Painter(const std::vector<LabelPatch>& labels, const CameraModel& camera,
           const std::array<int, 4>& roi)
       : canvas_(camera, roi), labels_(labels), width_(roi[2]), height_(roi[3]) {
     const auto count = static_cast<std::size_t>(width_ * height_);
@@ -165,14 +165,14 @@ class Painter {
 
  private:
   Canvas canvas_;
-  const std::vector<BagLabel>& labels_;
+  const std::vector<LabelPatch>& labels_;
   int width_, height_;
   TopView view_;
 };
 
 }  // namespace
 
-TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<BagLabel>& labels,
+TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<LabelPatch>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi, const TriMesh* cube_W) {
   Painter painter(labels, camera, roi);
   std::vector<Vec3f> pixel(cloth_W.positions().size());
@@ -197,7 +197,7 @@ TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<BagLabel>& labe
   return painter.Finish();
 }
 
-TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
+TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<LabelPatch>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi, const TriMesh* cube_W) {
   Painter painter(labels, camera, roi);
   std::vector<Vec3f> pixel(x.size());
@@ -213,26 +213,6 @@ TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<B
   }
   if (cube_W != nullptr) painter.Cube(*cube_W);
   return painter.Finish();
-}
-
-double ClothTopAt(const ClothMesh& mesh, const Vec3Array& x, const Eigen::Vector2d& point) {
-  double top = -std::numeric_limits<double>::infinity();
-  for (const auto& t : mesh.triangles) {
-    const Eigen::Vector3d a = x[t[0]].cast<double>(), b = x[t[1]].cast<double>(),
-                          c = x[t[2]].cast<double>();
-    // Barycentric coordinates in the plan.
-    const auto cross = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
-      return u.x() * v.y() - u.y() * v.x();
-    };
-    const Eigen::Vector2d pa = a.head<2>() - point, pb = b.head<2>() - point,
-                          pc = c.head<2>() - point;
-    const double area = cross(pb - pa, pc - pa);
-    if (area == 0) continue;
-    const double w0 = cross(pb, pc) / area, w1 = cross(pc, pa) / area;
-    if (w0 < 0 || w1 < 0 || w0 + w1 > 1) continue;
-    top = std::max(top, w0 * a.z() + w1 * b.z() + (1 - w0 - w1) * c.z());
-  }
-  return top;
 }
 
 }  // namespace gusset

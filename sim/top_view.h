@@ -11,14 +11,8 @@
 
 namespace gusset {
 
-/// A printed patch of one layer, in cloth coordinates (m).
-struct BagLabel {
-  float u0 = 0, u1 = 0, v0 = 0, v1 = 0;
-  int layer = 0;
-};
-
 /// The labels that a bag's file asks for: evenly spread along both layers' rims.
-std::vector<BagLabel> MakeLabels(const BagConfig& bag);
+std::vector<LabelPatch> MakeLabels(const BagConfig& bag);
 
 /// What a pixel shows. Inner: the side of a layer that faces the other layer of an empty bag.
 enum class Shown : std::uint8_t { kNothing, kOuter0, kOuter1, kInner0, kInner1, kCube };
@@ -41,17 +35,13 @@ struct TopView {
 /// width, height in pixels).
 /// @param cloth_W updated to the cloth's shape.
 /// @param cube_W closed, world frame.
-TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<BagLabel>& labels,
+TopView LookAtBag(const ClothSurface& cloth_W, const std::vector<LabelPatch>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi,
                   const TriMesh* cube_W = nullptr);
 
 /// The same without the cloth's thickness: for what must not depend on how cloth is drawn.
-TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<BagLabel>& labels,
+TopView LookAtBag(const ClothMesh& mesh, const Vec3Array& x, const std::vector<LabelPatch>& labels,
                   const CameraModel& camera, const std::array<int, 4>& roi,
                   const TriMesh* cube_W = nullptr);
-
-/// Height of the cloth's uppermost surface above or below the point (x, y), m; -infinity where
-/// there is no cloth.
-double ClothTopAt(const ClothMesh& mesh, const Vec3Array& x, const Eigen::Vector2d& point);
 
 }  // namespace gusset

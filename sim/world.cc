@@ -465,12 +465,16 @@ struct World::Impl {
   mutable Vec3f bounds_lo = Vec3f::Zero(), bounds_hi = Vec3f::Zero();
 };
 
+BodyState WaitingCube(const WorldConfig& config) {
+  BodyState cube;
+  cube.X_WB.translation() << config.cube_wait_m[0], config.cube_wait_m[1], 0.5 * config.cube_side_m;
+  return cube;
+}
+
 World::World(const BagConfig& bag, const ClothSolverConfig& solver, const WorldConfig& config,
              const ArmModel& arm)
     : impl_(std::make_unique<Impl>(bag, solver, config, arm)) {
-  BodyState cube;
-  cube.X_WB.translation() << config.cube_wait_m[0], config.cube_wait_m[1], 0.5 * config.cube_side_m;
-  SetCube(cube);
+  SetCube(WaitingCube(config));
 }
 
 World::~World() = default;

@@ -30,6 +30,9 @@ struct WorldState {
   double held_clear_s = 0;  ///< See Truth.
 };
 
+/// The cube where it waits: on the table at cube_wait_m, square to the world's axes, at rest.
+BodyState WaitingCube(const WorldConfig& config);
+
 /// Table, bag, cube and the arm's links in Bullet. The bag is a btSoftBody whose nodes are moved by
 /// Cloth through Bullet's own extension point, btSoftBodySolver; cube, table and kinematic arm
 /// links are Bullet's, as is contact between them.

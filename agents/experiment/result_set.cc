@@ -11,14 +11,13 @@
 #include "agents/evaluator.h"
 #include "agents/experiment/commands.h"
 #include "agents/experiment/intervals.h"
+#include "agents/plots.h"
 #include "base/error.h"
 #include "base/files.h"
 
 namespace gusset {
 namespace {
 
-// As curve.png has it.
-constexpr int kCurveWindow = 20;
 // Points of each of Figure 5.6's curves.
 constexpr int kCurvePoints = 10;
 

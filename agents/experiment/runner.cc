@@ -205,7 +205,6 @@ class Runner {
         continue;
       std::error_code ignored;  // there may be none
       fs::remove(FileOf(unit), ignored);
-      fs::remove(JournalOf(unit), ignored);
     }
   }
 

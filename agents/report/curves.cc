@@ -1,10 +1,10 @@
 #include "agents/report/curves.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <tuple>
 
+#include "agents/experiment/intervals.h"
 #include "agents/plots.h"
 
 namespace gusset {
@@ -42,8 +42,7 @@ Band BandOver(const std::vector<std::vector<double>>& series) {
     }
     if (values.empty()) return band;
     const auto [low, high] = std::ranges::minmax(values);
-    band.mean.push_back(std::accumulate(values.begin(), values.end(), 0.0) /
-                        static_cast<double>(values.size()));
+    band.mean.push_back(Mean(values));
     band.low.push_back(low);
     band.high.push_back(high);
   }
@@ -81,10 +80,10 @@ std::vector<RunGroup> GroupRuns(const std::vector<RunData>& runs) {
   return groups;
 }
 
-Band LearningCurve(const RunGroup& group, int state, int window) {
+Band LearningCurve(const RunGroup& group, int state) {
   std::vector<std::vector<double>> series;
   for (const RunData* run : group.runs) {
-    series.push_back(RunningMean(run->rewards[At(state)], window));
+    series.push_back(RunningMean(run->rewards[At(state)], kCurveWindow));
   }
   return BandOver(series);
 }

@@ -27,8 +27,9 @@ struct RunGroup {
 /// Sorts runs into groups, in the order in which each group's first run is given.
 std::vector<RunGroup> GroupRuns(const std::vector<RunData>& runs);
 
-/// Learning curve of one state: the mean of the last `window` rewards, over the group's seeds.
-Band LearningCurve(const RunGroup& group, int state, int window = 20);
+/// Learning curve of one state: the mean of the last kCurveWindow rewards (agents/plots.h), over
+/// the group's seeds.
+Band LearningCurve(const RunGroup& group, int state);
 
 /// Learnt steps of a state and those that led to a later one, over all seeds.
 StateTally TrainingTally(const RunGroup& group, int state);

@@ -132,7 +132,7 @@ std::vector<Film> FindFilms(const fs::path& folder) {
   for (const fs::path& one : folders) {
     if (Exists(one / "episode.json")) {
       films.push_back(ReadPlay(one));
-    } else if (one.filename().string().ends_with("frames") || Exists(one / "contact_sheet.html")) {
+    } else if (one.filename().string().ends_with("frames") || Exists(one / kContactSheet)) {
       for (Film& film : ReadDump(one)) films.push_back(std::move(film));
     }
   }

@@ -46,7 +46,6 @@ EvaluationData ReadEvaluation(const std::filesystem::path& file) {
   const nlohmann::json json = ReadJson(file);
   try {
     EvaluationData data;
-    data.file = file.filename().string();
     data.bag = JsonField<std::string>(json, "bag");
     data.start = Choice(json, "start", {"folded", "unfolded"});
     data.pose = Choice(json, "pose", {"near", "any"});

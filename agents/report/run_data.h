@@ -14,7 +14,6 @@ namespace gusset {
 
 /// One evaluation*.json of a run folder: what `gusset evaluate --out` wrote.
 struct EvaluationData {
-  std::string file;  ///< Its name.
   std::string bag, start, pose;
   bool random = false;  ///< Of random choice instead of what the run learnt.
   int repeats = 0;      ///< Actions in one state before an episode was given up.

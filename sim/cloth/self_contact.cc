@@ -78,7 +78,6 @@ void SelfContact::ForgetForecasts() {
 void SelfContact::Search(const Vec4Array& x, const Vec4Array& v) {
   far_.Start(kFar, x, v);
   pair_search_.Find(far_, node_triangle_, edge_edge_);
-  ++detections_;
 }
 
 // Turns pairs that may meet within the near forecast into contacts.
@@ -552,7 +551,6 @@ void SelfContact::MoveAsZones(const Vec4Array& x_prev, const std::vector<float>&
       }
     }
     if (!grew) return;  // what is left is rounding within a zone
-    ++zones_;
     // Mass-weighted mean displacement of each zone, none of its nodes lowered
     // below the floor.
     sum.assign(count, Vec4f::Zero());
@@ -619,7 +617,6 @@ void SelfContact::Enforce(const Vec4Array& x_prev, const std::vector<float>& inv
   }
   // Corrections keep leading to new pairs: the whole cloth as one piece cannot
   // meet itself.
-  ++freezes_;
   Vec4f mean = Vec4f::Zero();
   float mass = 0, lowest = -1e9f;
   for (std::size_t i = 0; i < x.size(); ++i) {

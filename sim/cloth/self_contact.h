@@ -47,12 +47,9 @@ class SelfContact {
                Vec4Array& x);
 
   int pair_count() const { return static_cast<int>(node_triangle_.size() + edge_edge_.size()); }
-  int near_count() const { return static_cast<int>(force_count_); }
-  long detections() const { return detections_; }
+  /// Contacts that carry force where they touch, not those that are only watched.
+  int force_count() const { return static_cast<int>(force_count_); }
   long selections() const { return selections_; }
-  long zones() const { return zones_; }
-  /// Substeps in which only moving the whole cloth as one piece was safe.
-  long freezes() const { return freezes_; }
 
  private:
   /// One cache line.
@@ -134,10 +131,7 @@ class SelfContact {
   std::vector<Contact*> asked_;  ///< Of picked_: those whose force depends on the bend.
   std::vector<float> approach_m_;
   std::vector<int> violated_;
-  long detections_ = 0;
   long selections_ = 0;
-  long zones_ = 0;
-  long freezes_ = 0;
 };
 
 /// Edges that pierce a face; zero for a cloth that never passed through itself.

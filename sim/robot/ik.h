@@ -17,9 +17,9 @@ class IkSolver {
   explicit IkSolver(const ArmModel& arm);
   ~IkSolver();
 
-  /// Joints that put the tool at X_WT (within 1e-6 m and rad): of the solutions found from `near`
-  /// and from the posture, the one soonest reached from `near` and closest to the posture. Where
-  /// both fail, up to `restarts` random seeds (KDL's Levenberg-Marquardt solver), then KDL's
+  /// Joints that put the tool at X_WT (within 1e-6 m and rad): of the solutions found from `near`,
+  /// the posture and the gate, the one soonest reached from `near` and closest to the posture.
+  /// Where all fail, up to `restarts` random seeds (KDL's Levenberg-Marquardt solver), then KDL's
   /// Newton-Raphson solver with joint limits. ~0.5 ms; some 10 ms where there is no solution.
   std::optional<JointVector> Solve(const Eigen::Isometry3d& X_WT, const JointVector& near,
                                    int restarts = 20);

@@ -42,8 +42,6 @@ class TableWorld final : public Environment {
   Outcome Act(int action) override {
     if (acts_ == stop_at_) RequestStop();
     ThrowIfStopped();
-    if (acts_ == stop_at_) RequestStop();
-    ThrowIfStopped();
     if (acts_++ == crash_at_) throw RunError("the world came apart");
     Rng rng(DeriveSeed(world_, "act", sensor_seed_ * 64 + static_cast<std::uint64_t>(action)));
     const bool best = action == std::min(state_ + 1, ActionCounts()[At()] - 1);

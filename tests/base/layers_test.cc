@@ -135,7 +135,7 @@ TEST(Layers, TheWorldDoesNotKnowAgentsOrHowImagesAreRead) {
   EXPECT_EQ(Offences("sim/world.cc", text).size(), 2u);
 }
 
-TEST(Layers, HeadersStayShortAndHaveOneNamespace) {
+TEST(Layers, HeadersStayShortAndAreIncludedOnce) {
   const fs::path root = GUSSET_SOURCE_DIR;
   for (const char* top : {"base", "perception", "agents", "sim", "tools"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {

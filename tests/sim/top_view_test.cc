@@ -15,34 +15,6 @@
 namespace gusset {
 namespace {
 
-// Every node on the plane z = 0.1 x - 0.2 y + h: there is one answer wherever there is cloth.
-TEST(ClothTop, IsThePlaneThatTheClothLiesIn) {
-  const BagConfig bag;
-  const ClothMesh mesh = MakeBagMesh(bag);
-  Vec3Array x;
-  for (const Eigen::Vector3f& p : mesh.rest) {
-    x.emplace_back(p.x(), p.y(), 0.1f * p.x() - 0.2f * p.y() + 0.05f);
-  }
-  for (const auto& [u, v] : {std::pair{0.2, 0.3}, {0.5, 0.5}, {0.71, 0.13}}) {
-    const Eigen::Vector2d p(u * bag.opening_m, v * bag.depth_m);
-    EXPECT_NEAR(ClothTopAt(mesh, x, p), 0.1 * p.x() - 0.2 * p.y() + 0.05, 1e-6);
-  }
-}
-
-TEST(ClothTop, IsTheUpperLayersAndNothingBesideTheCloth) {
-  const BagConfig bag;
-  const ClothMesh mesh = MakeBagMesh(bag);
-  Vec3Array x(mesh.rest.begin(), mesh.rest.end());
-  float top = 0;
-  for (const Vec3f& p : x) top = std::max(top, p.z());
-  const Eigen::Vector2d middle(0.5 * bag.opening_m, 0.5 * bag.depth_m);
-  EXPECT_NEAR(ClothTopAt(mesh, x, middle), top, 1e-6);
-  EXPECT_EQ(ClothTopAt(mesh, x, {-0.1, 0.1}), -std::numeric_limits<double>::infinity());
-  // On edge, it has no area to lie under.
-  for (Vec3f& p : x) p = {p.x(), 0, p.y()};
-  EXPECT_EQ(ClothTopAt(mesh, x, middle), -std::numeric_limits<double>::infinity());
-}
-
 const CameraModel kCamera = OverheadCamera({}, 1.066);
 constexpr std::array<int, 4> kFrame = {0, 0, 640, 480};
 
@@ -121,14 +93,14 @@ TEST(TopView, TheCubeShowsWhereNoClothIsAboveIt) {
 const CameraModel kTwice = OverheadCamera({1230, 1230, 320, 240, 640, 480}, 1.066);
 const CameraModel kThrice = OverheadCamera({1845, 1845, 320, 240, 640, 480}, 1.066);
 
-TopView LookAtDrawn(const ClothItem& cloth, const std::vector<BagLabel>& labels,
+TopView LookAtDrawn(const ClothItem& cloth, const std::vector<LabelPatch>& labels,
                     const CameraModel& camera) {
   ClothSurface surface(cloth);
   surface.Update(cloth);
   return LookAtBag(surface, labels, camera, kFrame);
 }
 
-TopView LookAtFlat(const ClothItem& cloth, const std::vector<BagLabel>& labels,
+TopView LookAtFlat(const ClothItem& cloth, const std::vector<LabelPatch>& labels,
                    const CameraModel& camera) {
   return LookAtBag(MakeBagMesh(BagConfig()), Vec3Array(cloth.x.begin(), cloth.x.end()), labels,
                    camera, kFrame);
@@ -143,7 +115,7 @@ void Turn(ClothItem& cloth, float angle) {
 TEST(TopView, AFlatBagIsAsLargeDrawnAsItsMesh) {
   ClothItem cloth = FlatBag();
   Turn(cloth, 0.2f);  // edges then cross rows of pixel centres all along, and none jumps as a whole
-  const std::vector<BagLabel> labels = MakeLabels(BagConfig());
+  const std::vector<LabelPatch> labels = MakeLabels(BagConfig());
   const TopView flat = LookAtFlat(cloth, labels, kTwice);
   const TopView drawn = LookAtDrawn(cloth, labels, kTwice);
   // The shell's upper side is half a thickness nearer: 0.14 % of the area. The rest is rounding.
@@ -182,9 +154,9 @@ double ShownOfBentLabels(double phase) {
     cloth.x[n].z() = static_cast<float>(0.1 + kRadius_m * std::cos(bent) - on * std::sin(bent));
   }
   Turn(cloth, 0.4f);
-  std::vector<BagLabel> labels;
+  std::vector<LabelPatch> labels;
   for (int k = 0; k < 9; ++k) {
-    BagLabel label;
+    LabelPatch label;
     label.u0 = static_cast<float>(0.03 * (k + 1) - 0.006);
     label.u1 = static_cast<float>(0.03 * (k + 1) + 0.006);
     label.v0 = static_cast<float>(v0);
@@ -240,7 +212,7 @@ ClothItem Crumpled(std::uint64_t seed) {
 
 // Area of one label in a picture, px: drawn green on red cloth in even light, a pixel counts by its
 // share of green. The printed label's edges are soft, so that whole pixels would lose its corners.
-double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const BagLabel& label,
+double AreaInPicture(Renderer& renderer, const ClothItem& cloth, const LabelPatch& label,
                      const CameraModel& camera) {
   SceneView scene;
   scene.cloth = cloth;
@@ -260,7 +232,7 @@ class CrumpledBags : public testing::TestWithParam<int> {};
 
 TEST_P(CrumpledBags, ShowOfEachLabelWhatItsPictureShows) {
   const ClothItem cloth = Crumpled(static_cast<std::uint64_t>(GetParam()));
-  const std::vector<BagLabel> labels = MakeLabels(BagConfig());
+  const std::vector<LabelPatch> labels = MakeLabels(BagConfig());
   const TopView drawn = LookAtDrawn(cloth, labels, kThrice);
   const TopView flat = LookAtFlat(cloth, labels, kThrice);
   Renderer renderer;

@@ -21,19 +21,19 @@ Rig::Rig(const Settings& from)
       referee(scene, settings.bagging.perception, settings.bagging.chosen_thresholds()),
       env(scene, scene, scene.robot(), referee, settings.bagging) {}
 
-double Spread::mean() const {
+double Readings::mean() const {
   if (values_.empty()) return 0;
   return std::accumulate(values_.begin(), values_.end(), 0.0) / static_cast<double>(values_.size());
 }
 
-double Spread::deviation() const {
+double Readings::deviation() const {
   if (values_.size() < 2) return 0;
   double sum = 0;
   for (const double v : values_) sum += (v - mean()) * (v - mean());
   return std::sqrt(sum / static_cast<double>(values_.size() - 1));
 }
 
-double Spread::error() const {
+double Readings::error() const {
   return values_.empty() ? 0 : deviation() / std::sqrt(static_cast<double>(values_.size()));
 }
 

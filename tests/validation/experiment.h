@@ -23,7 +23,7 @@ struct Rig {
 };
 
 /// Mean and standard deviation of what was added, and how sure the mean is.
-class Spread {
+class Readings {
  public:
   void Add(double value) { values_.push_back(value); }
   int count() const { return static_cast<int>(values_.size()); }

@@ -134,7 +134,7 @@ class PairsExperiment final : public Command {
 
   void Print(int action, const std::vector<Trial>& trials) const {
     std::map<int, int> layers, next;
-    Spread reward;
+    Readings reward;
     int successes = 0;
     for (const Trial& trial : trials) {
       if (!trial.in_state) continue;

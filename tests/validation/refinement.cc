@@ -28,7 +28,7 @@ const std::vector<Setting>& Ladder() {
 
 struct Result {
   int nodes = 0, substeps_per_s = 0, stopped = 0;
-  Spread A_bag, A_o;
+  Readings A_bag, A_o;
 };
 
 // What grasp + lift makes of folded bags and scratch + drag of flat ones, at other meshes and
@@ -111,12 +111,14 @@ class RefinementExperiment final : public Command {
   }
 
   static void Print(const char* name, const Result& result, const Result& reference) {
-    const auto spread = [](const Spread& s) {
+    const auto spread = [](const Readings& s) {
       return Number(s.mean(), "%.0f") + " +- " + Number(s.error(), "%.0f") + ", " +
              Number(s.deviation(), "%.0f") + " (" + std::to_string(s.count()) + ")";
     };
-    const auto shift = [](const Spread& s, const Spread& from) { return s.mean() - from.mean(); };
-    const auto in_deviations = [&](const Spread& s, const Spread& from) {
+    const auto shift = [](const Readings& s, const Readings& from) {
+      return s.mean() - from.mean();
+    };
+    const auto in_deviations = [&](const Readings& s, const Readings& from) {
       return from.deviation() > 0 ? Number(shift(s, from) / from.deviation(), "%+.2f")
                                   : std::string("-");
     };

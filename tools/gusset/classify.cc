@@ -27,7 +27,7 @@
 namespace gusset {
 namespace {
 
-/// Width of a failure's picture of the truth beside the overlay: what the palette below says.
+/// FrameTruth::surface as a picture for people: labels green, else a colour per Shown.
 cv::Mat PaintTruth(const cv::Mat& surface) {
   cv::Mat image(surface.size(), CV_8UC3);
   for (int y = 0; y < surface.rows; ++y) {
@@ -273,7 +273,7 @@ class ClassifyCommand final : public Command {
 
   static CameraModel CameraOf(const std::filesystem::path& corpus) {
     const std::filesystem::path file = corpus / "camera.json";
-    return Exists(file) ? ReadCamera(file) : OverheadCamera({}, kCameraHeight_m);
+    return Exists(file) ? ReadCamera(file) : OverheadCamera({}, kNominalHeight_m);
   }
 
   // Without the pictures of an earlier score, which is replaced.
@@ -360,8 +360,6 @@ class ClassifyCommand final : public Command {
     cv::hconcat(parts, picture);
     WriteImage(path, picture);
   }
-
-  static constexpr double kCameraHeight_m = 1.066;
 
   CommonOptions common_;
   std::vector<std::string> images_;

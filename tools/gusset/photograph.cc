@@ -10,8 +10,6 @@
 namespace gusset {
 namespace {
 
-constexpr double kNominalFx = 615;
-constexpr double kNominalHeight_m = 1.066;
 /// Larger or smaller factors are a mistake in the scale rather than a camera.
 constexpr double kMostScaling = 32;
 constexpr double kMostPixels = 1e8;
@@ -67,7 +65,7 @@ CameraModel FittedTo(const CameraModel& camera, cv::Size size) {
 
 }  // namespace
 
-double NominalPxPerMetre() { return kNominalFx / kNominalHeight_m; }
+double NominalPxPerMetre() { return Pinhole().fx / kNominalHeight_m; }
 
 Photograph PreparePhotograph(const RgbdFrame& image, const PhotographOptions& options,
                              const PerceptionConfig& config) {

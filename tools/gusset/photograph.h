@@ -11,6 +11,9 @@
 
 namespace gusset {
 
+/// Of the camera above the table, m, for which thresholds are given.
+inline constexpr double kNominalHeight_m = 1.066;
+
 /// What a user knows of how a photograph was taken, straight down onto the table.
 struct PhotographOptions {
   std::optional<cv::Rect> crop = {};    ///< The part to look at, px.

@@ -196,8 +196,6 @@ double BtDeformableDrag::max_stretch() const {
   return most;
 }
 
-int BtDeformableDrag::face_node_contacts() const { return impl_->body->m_faceNodeContacts.size(); }
-
 Vec3Array BtDeformableDrag::nodes() const {
   Vec3Array x;
   for (int i = 0; i < impl_->body->m_nodes.size(); ++i) {

@@ -38,7 +38,6 @@ class BtDeformableDrag {
   double simulated_s() const;  ///< In Play.
   double fastest_m_s() const;  ///< Node, at any time so far.
   double max_stretch() const;  ///< Of a link along the yarns, now.
-  int face_node_contacts() const;
   Vec3Array nodes() const;
 
  private:

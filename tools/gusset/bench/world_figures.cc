@@ -35,7 +35,7 @@ Scouted Scout(const ReadyScene& scene) {
     ++seen.steps;
     seen.asleep += world.asleep() ? 1 : 0;
     seen.pairs += contact.pair_count();
-    seen.in_contact += contact.near_count();
+    seen.in_contact += contact.force_count();
     seen.most_pairs = std::max(seen.most_pairs, contact.pair_count());
   });
   seen.pairs /= static_cast<double>(seen.steps);
