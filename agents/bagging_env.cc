@@ -256,7 +256,8 @@ void BaggingEnv::CloseAndCarry(ToolMotion& tool, int point) {
       return CloseCarry(tool, p_W, along_W, mouth, cube_W, config, config_.scratch_drag,
                         config_.grasp_lift, config_.motion);
     }
-    DropLip(tool, p_W, along_W, *mouth, config, config_.scratch_drag, config_.motion);
+    DropLip(tool, p_W, along_W, *mouth, cube_W, config, config_.scratch_drag, config_.grasp_lift,
+            config_.motion);
     Observation seen = LookBetween(tool);
     if (seen.state != State::kFilled) return;
     acted_on_ = std::move(seen);

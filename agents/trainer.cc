@@ -444,12 +444,13 @@ class Trainer {
   }
 
   void Act(Environment& environment, Trial& trial, Clock::time_point start) const {
-    {
-      const std::lock_guard lock(mutex_);
-      trial.result.decision = Decide(trial);
-    }
+    const Clock::time_point looked = Clock::now();
+    std::unique_lock lock(mutex_);
+    trial.result.decision = Decide(trial);
+    lock.unlock();
+    const Clock::time_point decided = Clock::now();
     trial.result.outcome = environment.Act(trial.result.decision->action);
-    trial.result.wall_s = Seconds(Clock::now() - start);
+    trial.result.wall_s = Seconds(Clock::now() - decided + (looked - start));
     if (config_.dump == "all" || (config_.dump == "failures" &&
                                   ActionFailed(trial.at.percept.state, trial.result.outcome))) {
       trial.result.frames = environment.Frames();

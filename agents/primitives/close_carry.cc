@@ -6,6 +6,10 @@
 namespace gusset {
 namespace {
 
+// From the cube's middle to fingers that close beside it: half of it and of a pad (22 mm, 2F-85
+// manual).
+constexpr double kBesideCube_m = 0.03;
+
 // A bag that is held far behind its mouth, or by a corner of it, tips over and loses what is in it.
 Eigen::Vector3d AtTheRim(const Eigen::Vector3d& p_W, const Mouth& mouth,
                          const CloseCarryConfig& config) {
@@ -31,20 +35,34 @@ void BringLip(ToolMotion& tool, const Mouth& mouth, const Eigen::Vector3d& grasp
   BringLayer(tool, seized_W, grasp_W, drag);
 }
 
+// Where the bag is grasped that is to be grasped at p_W.
+Eigen::Vector3d GraspPoint(const Eigen::Vector3d& p_W, const std::optional<Mouth>& mouth,
+                           const Eigen::Vector3d& cube_W, const CloseCarryConfig& config,
+                           const GraspLiftConfig& lift) {
+  return InReach(lift.reach_m, mouth ? AtTheRim(p_W, *mouth, config) : p_W, cube_W);
+}
+
 // Closes on the bag at grasp_W or, where there is nothing to close on, nearer and nearer to the
-// cube: the same grasp would fail again and again. Returns where. The last is lifted in any case,
-// for the fingers do not feel a film; the scales tell.
-Eigen::Vector3d Grasp(ToolMotion& tool, const Eigen::Vector3d& grasp_W,
+// cube, but not on it: the same grasp would fail again and again. Returns where. The last is lifted
+// in any case, for the fingers do not feel a film; the scales tell.
+Eigen::Vector3d Grasp(ToolMotion& tool, const Eigen::Vector3d& grasp_W, double over_m,
                       const Eigen::Vector3d& cube_W, const CloseCarryConfig& config,
-                      const MotionConfig& motion) {
+                      const GraspLiftConfig& lift, const MotionConfig& motion) {
+  const Eigen::Vector3d way = At(cube_W - grasp_W, 0);
+  const double most_m = std::max(0.0, way.norm() - kBesideCube_m);
   Eigen::Vector3d at_W = grasp_W;
   for (int retry = 0;; ++retry) {
-    tool.GoUntilContact(At(at_W, config.height_m), config.contact_force_N);
-    if (tool.Close() || retry == config.retries) return at_W;
+    const double touched_m =
+        tool.GoUntilContact(At(at_W, config.height_m), config.contact_force_N).z();
+    const double nearer_m = std::min((retry + 1) * config.retry_step_m, most_m);
+    const Eigen::Vector3d next_W = InReach(lift.reach_m, grasp_W + Within(nearer_m, way), grasp_W);
+    if (tool.Close() || retry == config.retries || next_W == at_W) return at_W;
+    if (retry == 0) tool.Note("closed anew");
     tool.Fingers(config.opening_m);
-    tool.Go(At(at_W, motion.approach_m), motion.descend_speed_m_s);
-    at_W = grasp_W + Within((retry + 1) * config.retry_step_m, At(cube_W - grasp_W, 0));
-    tool.Go(At(at_W, motion.approach_m), motion.descend_speed_m_s);
+    const double high_m = std::max(over_m, touched_m);
+    tool.Go(At(at_W, high_m), motion.descend_speed_m_s);
+    tool.Go(At(next_W, high_m), motion.descend_speed_m_s);
+    at_W = next_W;
   }
 }
 
@@ -63,9 +81,10 @@ bool LipFalls(const std::optional<Mouth>& mouth, const CloseCarryConfig& config)
 }
 
 void DropLip(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-             const Mouth& mouth, const CloseCarryConfig& config, const ScratchDragConfig& drag,
+             const Mouth& mouth, const Eigen::Vector3d& cube_W, const CloseCarryConfig& config,
+             const ScratchDragConfig& drag, const GraspLiftConfig& lift,
              const MotionConfig& motion) {
-  const Eigen::Vector3d over_W = AtTheRim(p_W, mouth, config);
+  const Eigen::Vector3d over_W = GraspPoint(p_W, mouth, cube_W, config, lift);
   ScratchDragConfig high = drag;
   high.release_height_m = config.lip_release_m;
   BringLip(tool, mouth, over_W, closing_W, config, high, motion);
@@ -77,8 +96,9 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
                 const std::optional<Mouth>& mouth, const Eigen::Vector3d& cube_W,
                 const CloseCarryConfig& config, const ScratchDragConfig& drag,
                 const GraspLiftConfig& lift, const MotionConfig& motion) {
-  Eigen::Vector3d grasp =
-      InReach(lift.reach_m, mouth ? AtTheRim(p_W, *mouth, config) : p_W, cube_W);
+  Eigen::Vector3d grasp = GraspPoint(p_W, mouth, cube_W, config, lift);
+  // The cloth may stand higher than the approach.
+  const double over_m = std::max(motion.approach_m, p_W.z() + 0.03);
 
   // tau_close.
   if (mouth && AreApart(*mouth, config) && config.lip_release_m == 0) {
@@ -89,9 +109,9 @@ void CloseCarry(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vecto
     tool.Fingers(config.opening_m);
   } else {
     tool.Fingers(config.opening_m);
-    tool.ApproachLevel(At(grasp, std::max(motion.approach_m, p_W.z() + 0.03)), AngleOf(closing_W));
+    tool.ApproachLevel(At(grasp, over_m), AngleOf(closing_W));
   }
-  grasp = Grasp(tool, grasp, cube_W, config, motion);
+  grasp = Grasp(tool, grasp, over_m, cube_W, config, lift, motion);
 
   // mu_carry, without turning what is held.
   const double closing = tool.closing_rad();

@@ -26,7 +26,7 @@ struct CloseCarryConfig {
   double height_m = 0;          ///< Above the table, where the fingers close; a flat bag is 3 mm.
   double contact_force_N = 10;  ///< Felt earlier (on the cube, say): close there.
   int retries = 3;              ///< Where the pads meet on nothing, so often again, ...
-  double retry_step_m = 0.015;  ///< ... each time so much nearer to the cube.
+  double retry_step_m = 0.015;  ///< ... each time so much nearer to the cube, until beside it.
   double lift_speed_m_s = 0.12;
   double upright_m = 0.10;  ///< Straight up to here, then also towards the table's middle ...
   double column_m = 0.08;   ///< ... to within so far of it, where the arm reaches high.
@@ -68,7 +68,8 @@ bool LipFalls(const std::optional<Mouth>& mouth, const CloseCarryConfig& config)
 /// Carries the drawn lip over the cube and lets it fall onto the near one, where a bag grasped at
 /// p_W would be grasped, and rises. The other parameters are those of CloseCarry.
 void DropLip(ToolMotion& tool, const Eigen::Vector3d& p_W, const Eigen::Vector3d& closing_W,
-             const Mouth& mouth, const CloseCarryConfig& config, const ScratchDragConfig& drag,
+             const Mouth& mouth, const Eigen::Vector3d& cube_W, const CloseCarryConfig& config,
+             const ScratchDragConfig& drag, const GraspLiftConfig& lift,
              const MotionConfig& motion);
 
 /// Draws the mouth's lips together over what lies in it (unless the drawn one is to fall: DropLip

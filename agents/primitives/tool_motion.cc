@@ -61,7 +61,8 @@ Eigen::Vector3d InReach(double reach_m, const Eigen::Vector3d& p_W,
                         const Eigen::Vector3d& inside_W) {
   const Eigen::Vector3d from = At(inside_W, 0);
   const Eigen::Vector3d way = At(p_W, 0) - from;
-  if (At(p_W, 0).norm() <= reach_m || way.norm() == 0) return p_W;
+  if (At(p_W, 0).norm() <= reach_m) return p_W;
+  if (way.norm() == 0) return At(Within(reach_m, from), p_W.z());
   // |from + t way|^2 = reach_m^2; no such t if the line passes the disc: then where it comes
   // nearest.
   const double half_b = from.dot(way) / way.squaredNorm();

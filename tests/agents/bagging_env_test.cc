@@ -862,38 +862,54 @@ TEST_F(BaggingEnvTest, CloseCarryTakesWhatIsOutOfReachNearerTheCube) {
           << "off the way to the cube";
     }
   }
+  // A lip that is to fall is let go of there, too.
+  config_.close_carry.lip_release_m = 0.05;
+  const Mouth mouth{{0, -reach - 0.02, 0}, {0, -reach + 0.06, 0}};
+  rig_.moves.clear();
+  ToolMotion tool(rig_, config_.motion);
+  DropLip(tool, mouth.near_W, {1, 0, 0}, mouth, cube_W, config_.close_carry, config_.scratch_drag,
+          config_.grasp_lift, config_.motion);
+  EXPECT_NEAR(At(HeldPath().back(), 0).norm(), reach, 1e-9);
 }
 
 // Where the fingers meet on nothing the same grasp would fail again, in this action and the next.
 TEST_F(BaggingEnvTest, CloseCarryGraspsNearerTheCubeWhereItsPadsAreEmpty) {
-  const CloseCarryConfig& config = config_.close_carry;
+  CloseCarryConfig& config = config_.close_carry;
   const double step = config.retry_step_m;
-  for (const int empty : {0, 1, config.retries, config.retries + 1}) {
-    // Towards the table's middle, as far from which the rig's fingers find nothing.
+  // How far behind the first grasp the fingers closed, towards the cube at `cube_m`. The rig's find
+  // something from `cloth_m` on.
+  const auto closed = [&](double cube_m, double cloth_m) {
     const Eigen::Vector3d p_W(0, -0.2, 0);
-    const Eigen::Vector3d cube_W(0, -0.2 + 2.5 * step, 0);
-    const auto nearer = [&](int retry) {
-      return std::min(retry, 2) * step + (retry > 2) * 0.5 * step;
-    };
-    rig_.nothing_beyond_m = empty > config.retries ? 0 : 0.2 + 1e-9 - nearer(empty);
+    rig_.nothing_beyond_m = 0.2 + 1e-9 - cloth_m;
     rig_.moves.clear();
     ToolMotion tool(rig_, config_.motion);
-    CloseCarry(tool, p_W, {1, 0, 0}, std::nullopt, cube_W, config, config_.scratch_drag,
-               config_.grasp_lift, config_.motion);
-    std::vector<double> closed;
-    for (std::size_t i = 0; i < rig_.moves.size(); ++i) {
-      const Move& move = rig_.moves[i];
+    CloseCarry(tool, p_W, {1, 0, 0}, std::nullopt, p_W + Eigen::Vector3d(0, cube_m, 0), config,
+               config_.scratch_drag, config_.grasp_lift, config_.motion);
+    std::vector<double> behind;
+    for (const Move& move : rig_.moves) {
       if (move.kind != Move::kFingers || move.value > 0) continue;
-      closed.push_back(move.X_WT.translation().y() - p_W.y());
-      EXPECT_NEAR(move.X_WT.translation().x(), 0, 1e-12);
-      EXPECT_NEAR(move.X_WT.translation().z(), config.height_m, 1e-12);
+      const Eigen::Vector3d at_W = move.X_WT.translation();
+      EXPECT_NEAR((at_W - Eigen::Vector3d(0, at_W.y(), config.height_m)).norm(), 0, 1e-12);
+      behind.push_back(at_W.y() - p_W.y());
     }
-    const int tries = 1 + std::min(empty, config.retries);
-    ASSERT_EQ(closed.size(), static_cast<std::size_t>(tries));
-    for (int k = 0; k < tries; ++k) EXPECT_NEAR(closed[k], nearer(k), 1e-12);
+    EXPECT_EQ(tool.note(), behind.size() > 1 ? "closed anew" : "");
     // The last is carried to be weighed, whatever the fingers felt.
     EXPECT_EQ(std::ranges::count(rig_.moves, Move::kWaitingPose, &Move::kind), 1);
-  }
+    return behind;
+  };
+  using testing::DoubleNear;
+  using testing::ElementsAre;
+  const auto at = [](double m) { return DoubleNear(m, 1e-9); };
+  ASSERT_EQ(config.retries, 3);
+  EXPECT_THAT(closed(0.15, 0), ElementsAre(at(0)));
+  EXPECT_THAT(closed(0.15, step), ElementsAre(at(0), at(step)));
+  EXPECT_THAT(closed(0.15, 1), ElementsAre(at(0), at(step), at(2 * step), at(3 * step)));
+  // Not on the cube, 35 mm wide, with pads of 22 mm; and no place twice.
+  const std::vector<double> beside = closed(0.0285 + 1.5 * step, 1);
+  EXPECT_THAT(beside, ElementsAre(at(0), at(step), testing::Le(1.5 * step)));
+  EXPECT_THAT(closed(0.0285, 1), ElementsAre(at(0)));
+  config.retries = 0;
+  EXPECT_THAT(closed(0.15, 1), ElementsAre(at(0)));
 }
 
 TEST_F(BaggingEnvTest, CloseCarryLeavesLipsAloneThatAreTogetherOrUnseen) {
