@@ -13,12 +13,12 @@ namespace {
 
 // Tuned 2026-11 for the least time over dragging, lifting and crumpling
 // (docs/physics.md).
-constexpr MotionForecast::Setting kFar = {0.015f, 0.001f, 0.3f, 0.004f};
-constexpr MotionForecast::Setting kNear = {0.007f, 0.0003f, 0.2f, 0.0012f};
+constexpr MotionForecast::Setting kFar = {0.025f, 0.001f, 0.3f, 0.004f};
+constexpr MotionForecast::Setting kNear = {0.010f, 0.0003f, 0.2f, 0.0012f};
 constexpr int kFarError = 0, kNearError = 1;
 constexpr float kTrust = 0.8f;  // share of a margin after which a forecast is made anew
-// A plane that has turned until it separates by less than this share of the gap
-// is placed anew.
+// A plane that separates by less than this share of the gap, as it is or as it was when the plane
+// was placed, has turned or is slanting in the way of what slides past it, and is placed anew.
 constexpr float kTilted = 0.8f;
 // Two sweeps leave a stack some slip below Coulomb's limit. Contacts remember it, and this much of
 // it is taken back in a second, a fifth in a substep at the default rate: all of it at once would
@@ -295,7 +295,7 @@ void SelfContact::SetPlane(std::size_t contact) {
   p.nx[k] = c.normal[0], p.ny[k] = c.normal[1], p.nz[k] = c.normal[2];
   p.w1[k] = c.weight[1], p.w2[k] = c.weight[2], p.w3[k] = c.weight[3];
   p.edges[k] = c.edges ? 1.0f : 0.0f;
-  p.gap[k] = p.clear[k] = c.gap_m;
+  p.gap[k] = p.clear[k] = p.placed[k] = c.gap_m;
   alignas(16) float accepted[4];
   AcceptedClearance(thickness_m_, Float4(c.gap_m)).Store(accepted);
   p.accepted[k] = accepted[0];
@@ -336,7 +336,7 @@ void SelfContact::Measure(const Vec4Array& x) {
     gap.Store(p.gap.data());
     clear.Store(p.clear.data());
     AcceptedClearance(thickness_m_, clear).Store(p.accepted.data());
-    List(Bits(clear < gap * kTilted), kLanes8 * g, count, violated_);
+    List(Bits(clear < Max(gap, Of(p.placed)) * kTilted), kLanes8 * g, count, violated_);
   }
   std::array<Contact*, kLanes8> some{};
   for (const bool edges : {false, true}) {

@@ -77,6 +77,7 @@ class SelfContact {
     Lanes gap, clear;          ///< At the substep's start: as Contact::gap_m, and between the
                                ///< elements' extreme nodes.
     Lanes end_gap, end_clear;  ///< The same where FindViolated last looked.
+    Lanes placed;              ///< Gap when the plane was last placed.
     Lanes accepted;            ///< Clearance that the substep's end must leave.
     std::array<std::array<std::uint16_t, kLanes8>, 4> node;  ///< [corner][lane]
   };
