@@ -324,6 +324,13 @@ class Trainer {
     return At(order[At(plan.index % plan.pool_size)]);
   }
 
+  // The step that left it.
+  int FromPool(const Plan& plan, int attempt) const {
+    const std::size_t place = PlaceInPool(plan, attempt);
+    const std::lock_guard lock(mutex_);
+    return progress_.pools[At(plan.state)][place];
+  }
+
   void TryPlan(Environment& environment, const Plan& plan, Trial& trial) const {
     if (trial.seen) {
       const Clock::time_point start = Clock::now();
@@ -334,19 +341,8 @@ class Trainer {
     trial.mode = plan.extra ? Mode::kGreedy : Mode::kExplore;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = plan.SeedIndex(attempt);
-      if (plan.state == 0) {
-        NewStart(environment, index, trial.at);
-      } else {
-        const std::size_t place = PlaceInPool(plan, attempt);
-        std::unique_lock lock(mutex_);
-        const int step = progress_.pools[At(plan.state)][place];
-        lock.unlock();
-        TakeUp(step, trial.at);
-      }
-      trial.at.sensor_seed = Seed("sensor", index);
-      trial.at.agent_seed = Seed("agent", index);
-      const Clock::time_point start = Clock::now();
-      trial.at.percept = Begin(environment, trial.at);
+      const Clock::time_point start =
+          Look(environment, index, plan.state == 0 ? -1 : FromPool(plan, attempt), trial.at);
       spdlog::debug("step {} of s{}, attempt {}: seen as s{}", plan.index, plan.state, attempt,
                     trial.at.percept.state);
       if (trial.at.percept.state != plan.state) continue;
@@ -395,15 +391,7 @@ class Trainer {
   void TryChained(Environment& environment, Trial& trial) {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t index = Plan{kAnyState, false, progress_.actions, 0}.SeedIndex(attempt);
-      if (progress_.current < 0) {
-        NewStart(environment, index, trial.at);
-      } else {
-        TakeUp(progress_.current, trial.at);
-      }
-      trial.at.sensor_seed = Seed("sensor", index);
-      trial.at.agent_seed = Seed("agent", index);
-      const Clock::time_point start = Clock::now();
-      trial.at.percept = Begin(environment, trial.at);
+      const Clock::time_point start = Look(environment, index, progress_.current, trial.at);
       if (trial.at.percept.state >= states()) continue;
       const bool full = progress_.learnt[At(trial.at.percept.state)] >= config_.steps;
       trial.mode = full ? Mode::kGreedy : Mode::kExplore;
@@ -415,16 +403,22 @@ class Trainer {
 
   // ---- both
 
-  void NewStart(Environment& environment, std::uint64_t index, Situation& at) const {
-    const std::uint64_t seed = Seed("start", index);
-    at.from = {{"start", "folded"}, {"seed", seed}};
-    at.snapshot = environment.Start(StartKind::kFolded, seed);
-  }
-
-  // What an earlier step left.
-  void TakeUp(int step, Situation& at) const {
-    at.from = {{"step", step}};
-    at.snapshot = folder_.ReadSnapshot(step);
+  // At the world that an earlier step left; -1: at a new start. Returns when it began to be built.
+  Clock::time_point Look(Environment& environment, std::uint64_t index, int step,
+                         Situation& at) const {
+    if (step < 0) {
+      const std::uint64_t seed = Seed("start", index);
+      at.from = {{"start", "folded"}, {"seed", seed}};
+      at.snapshot = environment.Start(StartKind::kFolded, seed);
+    } else {
+      at.from = {{"step", step}};
+      at.snapshot = folder_.ReadSnapshot(step);
+    }
+    at.sensor_seed = Seed("sensor", index);
+    at.agent_seed = Seed("agent", index);
+    const Clock::time_point start = Clock::now();
+    at.percept = Begin(environment, at);
+    return start;
   }
 
   // A damaged snapshot is named by its file.
